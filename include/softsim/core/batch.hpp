@@ -1,0 +1,181 @@
+// SPDX-FileCopyrightText: 2026 The softsim authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+#include <cstring>
+#include <type_traits>
+
+// With the instruction set the layout of a batch changes: the namespace carries the width, so that objects built
+// with different -march flags do not share symbols.
+#if defined(__AVX512F__)
+#define SOFTSIM_SIMD_BYTES 64
+#define SOFTSIM_SIMD_NAMESPACE simd512
+#elif defined(__AVX__)
+#define SOFTSIM_SIMD_BYTES 32
+#define SOFTSIM_SIMD_NAMESPACE simd256
+#else
+#define SOFTSIM_SIMD_BYTES 32  // two 128-bit registers: still twice as fast as one element at a time
+#define SOFTSIM_SIMD_NAMESPACE simd128
+#endif
+
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wpsabi"  // wide vectors are only passed between inline functions
+#endif
+
+namespace softsim {
+inline namespace SOFTSIM_SIMD_NAMESPACE {
+
+namespace detail {
+// A trait of its own: as a member typedef of Batch, g++ 12 drops the attribute. Without aligned(16) clang 14
+// rejects Eigen::Matrix<Batch, ...> where the target has no register of that size.
+template <class T, int N>
+struct VectorRegister {
+  typedef T type __attribute__((vector_size(sizeof(T) * N), aligned(16)));
+};
+template <class T>
+using MaskInteger = std::conditional_t<sizeof(T) == 8, long long, int>;
+}  // namespace detail
+
+/// Result of comparing two batches lane by lane; goes into `select`, `any`, `all`.
+template <class T, int N>
+struct BatchMask {
+  typename detail::VectorRegister<detail::MaskInteger<T>, N>::type lanes;
+
+  friend BatchMask operator&(BatchMask a, BatchMask b) { return {a.lanes & b.lanes}; }
+  friend BatchMask operator|(BatchMask a, BatchMask b) { return {a.lanes | b.lanes}; }
+  friend bool any(BatchMask m) {
+    for (int l = 0; l < N; ++l)
+      if (m.lanes[l] != 0) return true;
+    return false;
+  }
+  friend bool all(BatchMask m) {
+    for (int l = 0; l < N; ++l)
+      if (m.lanes[l] == 0) return false;
+    return true;
+  }
+};
+
+/// N scalars of type T (float or double; N a power of two) that every generic function of the library accepts
+/// in place of one scalar: arithmetic acts lane by lane in the compiler's vector registers. Functions that take
+/// decisions use `select(mask, a, b)` instead of a branch.
+template <class T, int N>
+struct Batch {
+  static_assert(std::is_floating_point_v<T> && N >= 2 && (N & (N - 1)) == 0);
+  using Register = typename detail::VectorRegister<T, N>::type;
+  using Mask = BatchMask<T, N>;
+
+  Register lanes;
+
+  Batch() = default;
+  Batch(Register r) : lanes(r) {}
+  /// Every lane takes the value s.
+  template <class S>
+    requires std::is_arithmetic_v<S>
+  Batch(S s) : lanes(static_cast<T>(s) - Register{}) {}
+
+  /// Reads N consecutive values; no alignment is assumed.
+  static Batch load(const T* p) {
+    Batch b;
+    std::memcpy(&b.lanes, p, sizeof(Register));
+    return b;
+  }
+  /// Writes N consecutive values; no alignment is assumed.
+  void store(T* p) const { std::memcpy(p, &lanes, sizeof(Register)); }
+
+  Batch operator-() const { return Batch(Register(-lanes)); }
+  Batch& operator+=(const Batch& b) { lanes += b.lanes; return *this; }
+  Batch& operator-=(const Batch& b) { lanes -= b.lanes; return *this; }
+  Batch& operator*=(const Batch& b) { lanes *= b.lanes; return *this; }
+  Batch& operator/=(const Batch& b) { lanes /= b.lanes; return *this; }
+  friend Batch operator+(const Batch& a, const Batch& b) { return Batch(Register(a.lanes + b.lanes)); }
+  friend Batch operator-(const Batch& a, const Batch& b) { return Batch(Register(a.lanes - b.lanes)); }
+  friend Batch operator*(const Batch& a, const Batch& b) { return Batch(Register(a.lanes * b.lanes)); }
+  friend Batch operator/(const Batch& a, const Batch& b) { return Batch(Register(a.lanes / b.lanes)); }
+
+  friend Mask operator<(const Batch& a, const Batch& b) { return {a.lanes < b.lanes}; }
+  friend Mask operator<=(const Batch& a, const Batch& b) { return {a.lanes <= b.lanes}; }
+  friend Mask operator>(const Batch& a, const Batch& b) { return {a.lanes > b.lanes}; }
+  friend Mask operator>=(const Batch& a, const Batch& b) { return {a.lanes >= b.lanes}; }
+  friend Mask operator==(const Batch& a, const Batch& b) { return {a.lanes == b.lanes}; }
+  friend Mask operator!=(const Batch& a, const Batch& b) { return {a.lanes != b.lanes}; }
+
+  friend Batch select(const Mask& m, const Batch& a, const Batch& b) {
+    return Batch(Register(m.lanes ? a.lanes : b.lanes));
+  }
+  friend Batch abs(const Batch& a) { return select(a < Batch(0), -a, a); }
+  friend Batch min(const Batch& a, const Batch& b) { return select(b < a, b, a); }
+  friend Batch max(const Batch& a, const Batch& b) { return select(a < b, b, a); }
+  friend Batch sqrt(const Batch& a) { return map(a, [](const auto& x) { return x.sqrt(); }); }
+  friend Batch log(const Batch& a) { return map(a, [](const auto& x) { return x.log(); }); }
+  friend Batch exp(const Batch& a) { return map(a, [](const auto& x) { return x.exp(); }); }
+  friend Batch pow(const Batch& a, double p) {
+    return map(a, [p](const auto& x) { return x.pow(static_cast<T>(p)); });
+  }
+
+ private:
+  // Eigen's array functions vectorise without -ffast-math, a loop over std::log does not.
+  template <class Function>
+  static Batch map(const Batch& a, Function f) {
+    Eigen::Array<T, N, 1> x;
+    std::memcpy(x.data(), &a.lanes, sizeof(Register));
+    const Eigen::Array<T, N, 1> y = f(x);
+    return load(y.data());
+  }
+};
+
+/// Lanes that fill the vector registers the compiler was given: 8 doubles or 16 floats with AVX-512, half
+/// of that without.
+template <class T>
+inline constexpr int default_lanes = SOFTSIM_SIMD_BYTES / static_cast<int>(sizeof(T));
+
+/// Number of lanes of a scalar type: 1 for float, double and other plain scalars, N for Batch<T, N>.
+template <class T>
+inline constexpr int lane_count = 1;
+template <class T, int N>
+inline constexpr int lane_count<Batch<T, N>> = N;
+
+/// Value of lane l; for a plain scalar the value itself.
+template <class T>
+[[nodiscard]] T lane(const T& x, int) { return x; }
+template <class T, int N>
+[[nodiscard]] T lane(const Batch<T, N>& x, int l) { return x.lanes[l]; }
+
+/// Writes lane l; for a plain scalar the value itself. For set-up, not for a hot loop.
+template <class T>
+void set_lane(T& x, int, T value) { x = value; }
+template <class T, int N>
+void set_lane(Batch<T, N>& x, int l, T value) { x.lanes[l] = value; }
+
+}  // namespace SOFTSIM_SIMD_NAMESPACE
+
+/// a where the condition holds, b elsewhere: the scalar counterpart of the lane-wise select.
+template <class T>
+  requires std::is_arithmetic_v<T>
+[[nodiscard]] constexpr T select(bool condition, T a, T b) { return condition ? a : b; }
+
+}  // namespace softsim
+
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic pop
+#endif
+
+/// Lets Eigen's fixed-size matrices hold batches.
+template <class T, int N>
+struct Eigen::NumTraits<softsim::Batch<T, N>> : Eigen::NumTraits<T> {
+  using Real = softsim::Batch<T, N>;
+  using NonInteger = Real;
+  using Nested = Real;
+  using Literal = Real;
+  enum {
+    IsComplex = 0,
+    IsInteger = 0,
+    IsSigned = 1,
+    RequireInitialization = 0,
+    ReadCost = 1,
+    AddCost = 1,
+    MulCost = 1
+  };
+};

@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: 2026 The softsim authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdio>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+namespace softsim {
+
+/// How a solve or a step ended. Anything but `converged` leaves the last finite state in place.
+enum class Status { converged, not_converged, not_finite };
+
+/// "converged", "not_converged" or "not_finite".
+[[nodiscard]] constexpr std::string_view to_string(Status status) {
+  switch (status) {
+    case Status::converged: return "converged";
+    case Status::not_converged: return "not_converged";
+    default: return "not_finite";
+  }
+}
+
+/// A number as text with up to nine significant digits, as every error message writes it.
+[[nodiscard]] inline std::string to_text(double value) {
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, "%.9g", value);
+  return buffer;
+}
+
+/// Throws `std::invalid_argument` with `message`; set-up code calls it with the entity and the value in it.
+[[noreturn]] inline void invalid(const std::string& message) { throw std::invalid_argument(message); }
+
+}  // namespace softsim
