@@ -70,7 +70,7 @@ struct Batch {
   Register lanes;
 
   Batch() = default;
-  Batch(Register r) : lanes(r) {}
+  Batch(const Register& r) : lanes(r) {}  // by reference: passing wide registers by value changes the ABI
   /// Every lane takes the value s.
   template <class S>
     requires std::is_arithmetic_v<S>
@@ -130,6 +130,10 @@ struct Batch {
 /// of that without.
 template <class T>
 inline constexpr int default_lanes = SOFTSIM_SIMD_BYTES / static_cast<int>(sizeof(T));
+
+/// N lanes of T: T itself for N = 1, Batch<T, N> else.
+template <class T, int N>
+using Lanes = std::conditional_t<N == 1, T, Batch<T, N>>;
 
 /// Number of lanes of a scalar type: 1 for float, double and other plain scalars, N for Batch<T, N>.
 template <class T>

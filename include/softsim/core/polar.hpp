@@ -1,0 +1,152 @@
+// SPDX-FileCopyrightText: 2026 The softsim authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "softsim/core/batch.hpp"
+#include "softsim/core/tensor.hpp"
+
+namespace softsim {
+
+namespace detail {
+
+/// Matrix N of the quadratic form q . N q = tr(R(q)^T A) over unit quaternions q = (w, x, y, z) (Horn 1987);
+/// symmetric, trace 0, eigenvalues s1 + s2 + s3, s1 - s2 - s3, s2 - s1 - s3, s3 - s1 - s2 from the signed
+/// singular values of A.
+template <class T>
+[[nodiscard]] Eigen::Matrix<T, 4, 4> quaternion_form(const Mat3<T>& A) {
+  const T x = A(2, 1) - A(1, 2), y = A(0, 2) - A(2, 0), z = A(1, 0) - A(0, 1);
+  const T xy = A(0, 1) + A(1, 0), xz = A(0, 2) + A(2, 0), yz = A(1, 2) + A(2, 1);
+  Eigen::Matrix<T, 4, 4> N;
+  N << A(0, 0) + A(1, 1) + A(2, 2), x, y, z,   //
+      x, A(0, 0) - A(1, 1) - A(2, 2), xy, xz,  //
+      y, xy, A(1, 1) - A(0, 0) - A(2, 2), yz,  //
+      z, xz, yz, A(2, 2) - A(0, 0) - A(1, 1);
+  return N;
+}
+
+/// Jacobi's eigenvalue method for a symmetric 4x4 matrix N of about unit size, without branches: V N V^T
+/// stays the given matrix while N becomes diagonal. Of N only the upper triangle is used.
+template <class T>
+struct QuaternionEigenbasis {
+  Eigen::Matrix<T, 4, 4> N;
+  Eigen::Matrix<T, 4, 4> V = Eigen::Matrix<T, 4, 4>::Identity();
+
+  /// One rotation in each of the six planes. Disjoint planes are neighbours, so that their latencies overlap.
+  void sweep() {
+    rotate<0, 1>();
+    rotate<2, 3>();
+    rotate<0, 2>();
+    rotate<1, 3>();
+    rotate<0, 3>();
+    rotate<1, 2>();
+  }
+
+ private:
+  template <int i, int j>
+  T& upper() {
+    return N(i < j ? i : j, i < j ? j : i);
+  }
+
+  static void turn(T& a, T& b, const T& cosine, const T& sine) {
+    const T previous = a;
+    a = cosine * a - sine * b;
+    b = sine * previous + cosine * b;
+  }
+
+  /// Makes N(p, q) zero by the smaller of the two possible angles.
+  template <int p, int q>
+  void rotate() {
+    using std::abs, std::sqrt;
+    constexpr int r = p == 0 ? (q == 1 ? 2 : 1) : 0, s = 6 - p - q - r;
+    const T sum = N(p, p) + N(q, q), d = N(q, q) - N(p, p), b = T(2) * N(p, q);
+    const T h = sqrt(d * d + b * b);
+    const auto descending = d < T(0);
+    // The angle has the tangent y / x; the constant, far below rounding, serves the case 0 / 0.
+    const auto eps = Eigen::NumTraits<T>::epsilon();
+    const T x = abs(d) + h + T(eps * eps), y = select(descending, -b, b);
+    const T scale = T(1) / sqrt(x * x + y * y);
+    const T cosine = scale * x, sine = scale * y, shift = select(descending, -h, h);
+    N(p, p) = T(0.5) * (sum - shift);
+    N(q, q) = T(0.5) * (sum + shift);
+    N(p, q) = T(0);
+    turn(upper<p, r>(), upper<q, r>(), cosine, sine);
+    turn(upper<p, s>(), upper<q, s>(), cosine, sine);
+    for (int i = 0; i < 4; ++i) turn(V(i, p), V(i, q), cosine, sine);
+  }
+};
+
+}  // namespace detail
+
+/// Rotation R (det R = +1, always) that maximises tr(R^T F), the nearest rotation to F: F = R S with S symmetric,
+/// indefinite where det F < 0. With F's singular values s1 >= s2 >= |s3|, s3 signed like det F, R is unique
+/// unless s2 + s3 = 0 (rank 1 or 0; two equal smallest singular values of an inverted F); its error is at most
+/// about 100 machine epsilons times s1 / (s2 + s3). Without uniqueness the result is one of the maximisers
+/// (within 128 epsilons of the largest entry of F), drawn towards the one that turns least; F = 0 gives I.
+/// Defined for every finite F and free of branches on values; R does not depend on the size of F, except that
+/// a subnormal F is drawn towards I. NaN and infinity give NaN.
+///
+/// Horn's quaternion form (J. Opt. Soc. Am. A 4, 1987), diagonalised by four Jacobi sweeps: unlike an
+/// eigenvector from the characteristic polynomial that also holds where the largest eigenvalue is nearly
+/// multiple.
+template <class T>
+[[nodiscard]] Mat3<T> rotation_factor(const Mat3<T>& F) {
+  using std::abs, std::max, std::sqrt;
+  using Real = decltype(lane(std::declval<T>(), 0));
+  using Quaternion = Eigen::Matrix<T, 4, 1>;
+  T size = abs(F(0));
+  for (int i = 1; i < 9; ++i) size = max(size, abs(F(i)));
+  const T inverse_size = T(1) / max(size, T(std::numeric_limits<Real>::min()));
+  const Eigen::Matrix<T, 4, 4> N = detail::quaternion_form<T>(inverse_size * F);
+
+  // A small multiple of the identity added to F settles ties. It stands above the rounding errors of the
+  // sweeps.
+  constexpr Real tie = 32 * std::numeric_limits<Real>::epsilon();
+  detail::QuaternionEigenbasis<T> basis{N};
+  basis.N(0, 0) += T(4 * tie);
+  for (int k = 0; k < 4; ++k) basis.sweep();
+
+  T largest = basis.N(0, 0);
+  Quaternion q = basis.V.col(0);
+  for (int k = 1; k < 4; ++k) {
+    const auto better = basis.N(k, k) > largest;
+    largest = select(better, basis.N(k, k), largest);
+    for (int i = 0; i < 4; ++i) q[i] = select(better, basis.V(i, k), q[i]);
+  }
+  // First-order correction with the undisturbed form. It takes away what the tie-breaker and the last sweep
+  // left where the eigenvalue is simple, and fades out where it is not.
+  const Quaternion Nq = N * q;
+  for (int k = 0; k < 4; ++k) {
+    const T gap = largest - basis.N(k, k);
+    q += (basis.V.col(k).dot(Nq) * gap / (gap * gap + T(tie))) * basis.V.col(k);
+  }
+  q *= T(1) / sqrt(q.dot(q));
+
+  const T w = q[0], x = q[1], y = q[2], z = q[3];
+  Mat3<T> R;
+  R << T(1) - T(2) * (y * y + z * z), T(2) * (x * y - w * z), T(2) * (x * z + w * y),  //
+      T(2) * (x * y + w * z), T(1) - T(2) * (x * x + z * z), T(2) * (y * z - w * x),   //
+      T(2) * (x * z - w * y), T(2) * (y * z + w * x), T(1) - T(2) * (x * x + y * y);
+  return R;
+}
+
+/// Factors of F = R S: a rotation and a symmetric tensor.
+template <class T>
+struct PolarDecomposition {
+  Mat3<T> R, S;
+};
+
+/// Polar decomposition with det R = +1; see `rotation_factor` for what holds where F is singular or inverted.
+template <class T>
+[[nodiscard]] PolarDecomposition<T> polar_decomposition(const Mat3<T>& F) {
+  PolarDecomposition<T> result;
+  result.R = rotation_factor(F);
+  result.S = symmetric_part<T>(result.R.transpose() * F);
+  return result;
+}
+
+}  // namespace softsim

@@ -1,0 +1,84 @@
+// SPDX-FileCopyrightText: 2026 The softsim authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "softsim/core/error.hpp"
+#include "softsim/core/state.hpp"
+#include "softsim/mesh/tetrahedral_mesh.hpp"
+
+namespace softsim {
+
+/// Constant forces on points: E = -f . u. Gravity and nodal forces; loads may be added up in one.
+template <class T>
+class DeadLoad {
+ public:
+  using Scalar = T;
+  static constexpr bool conservative = true;
+  static constexpr bool external = true;
+  static constexpr bool has_hessian = false;
+
+  /// No force on any of `points` points.
+  explicit DeadLoad(std::size_t points)
+      : force_(Vector<T>::Zero(block_stride * static_cast<std::ptrdiff_t>(points))) {}
+
+  /// Adds the force f in N on one point.
+  /// @throws std::invalid_argument if the point does not exist or the force is not finite
+  DeadLoad& add(std::int32_t point, const Vec3<double>& f) {
+    if (point < 0 || point >= force_.size() / block_stride)
+      invalid("load on node " + std::to_string(point) + ": out of range");
+    if (!f.allFinite()) invalid("load on node " + std::to_string(point) + ": not a finite force");
+    block(force_, point) += f.template cast<T>();
+    return *this;
+  }
+
+  /// Spreads the total force f in N evenly over points.
+  /// @throws std::invalid_argument if there is no point, one does not exist, or the force is not finite
+  DeadLoad& spread(const std::vector<std::int32_t>& points, const Vec3<double>& f) {
+    if (points.empty()) invalid("load: no node to spread the force over");
+    for (const std::int32_t i : points) add(i, f / static_cast<double>(points.size()));
+    return *this;
+  }
+
+  /// Forces, N: one block per point.
+  [[nodiscard]] const Vector<T>& force() const { return force_; }
+
+  /// -f . u, J.
+  [[nodiscard]] double energy(const State<T>& q) const { return -dot(force_, q.displacement); }
+  /// y -= f.
+  void add_gradient(const State<T>&, Vector<T>& y) const { y -= force_; }
+  /// Nothing: the force does not depend on the state.
+  void add_hessian_product(const State<T>&, const Vector<T>&, Vector<T>&) const {}
+
+ private:
+  Vector<T> force_;
+};
+
+/// Weight of a body: a quarter of each tetrahedron's rho V g on each of its corners, exact for linear tetrahedra.
+/// @param density one value in kg/m^3, or one per tetrahedron
+/// @param g acceleration in m/s^2
+/// @throws std::invalid_argument unless every density is positive and finite
+template <class T = double>
+[[nodiscard]] DeadLoad<T> gravity(const TetrahedralMesh& mesh, const std::vector<double>& density, const Vec3<double>& g) {
+  DeadLoad<T> load(mesh.points().size());
+  if (density.size() != mesh.tetrahedra().size())
+    invalid("gravity: " + std::to_string(density.size()) + " densities for " + std::to_string(mesh.tetrahedra().size()) +
+            " tetrahedra");
+  for (std::size_t t = 0; t < mesh.tetrahedra().size(); ++t) {
+    if (!(density[t] > 0) || !(density[t] <= 1e300)) invalid("density " + to_text(density[t]) + " kg/m^3: must be positive and finite");
+    for (const std::int32_t i : mesh.tetrahedra()[t]) load.add(i, density[t] * mesh.volume(t) / 4 * g);
+  }
+  return load;
+}
+
+/// Weight of a body of one density, see above.
+template <class T = double>
+[[nodiscard]] DeadLoad<T> gravity(const TetrahedralMesh& mesh, double density, const Vec3<double>& g) {
+  return gravity<T>(mesh, std::vector<double>(mesh.tetrahedra().size(), density), g);
+}
+
+}  // namespace softsim

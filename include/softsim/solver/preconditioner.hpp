@@ -1,0 +1,89 @@
+// SPDX-FileCopyrightText: 2026 The softsim authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "softsim/core/batch.hpp"
+#include "softsim/core/state.hpp"
+
+namespace softsim {
+
+/// z = r.
+template <class T>
+class NoPreconditioner {
+ public:
+  /// Nothing to prepare.
+  template <class A>
+  void compute(const A&, const Vector<T>&) {}
+  void apply(const Vector<T>& r, Vector<T>& z) const { z = r; }
+};
+
+/// z_i = r_i / |a_ii|.
+template <class T>
+class Jacobi {
+ public:
+  /// Reads the diagonal of A, which offers `diagonal_blocks`; `free` is 1 for free components, 0 else.
+  template <class A>
+  void compute(const A& a, const Vector<T>& free) {
+    a.diagonal_blocks(blocks_);
+    inverse_.resize(free.size());
+    for (std::size_t i = 0; i < blocks_.size(); ++i)
+      for (int c = 0; c < 4; ++c) {
+        const std::ptrdiff_t k = block_stride * static_cast<std::ptrdiff_t>(i) + c;
+        const T d = c < 3 ? std::abs(blocks_[i](c, c)) : T(0);
+        inverse_[k] = free[k] == T(0) ? T(0) : d > T(0) ? 1 / d : T(1);
+      }
+  }
+  void apply(const Vector<T>& r, Vector<T>& z) const { z.array() = inverse_.array() * r.array(); }
+
+ private:
+  std::vector<Mat3<T>> blocks_;
+  Vector<T> inverse_;
+};
+
+/// z_i = A_ii^-1 r_i with the 3x3 diagonal blocks A_ii. A block that is not positive definite (a tangent far from a minimum)
+/// is replaced by the absolute values of its diagonal.
+template <class T>
+class BlockJacobi {
+ public:
+  /// Inverts the diagonal blocks of A, which offers `diagonal_blocks`, over the free components.
+  template <class A>
+  void compute(const A& a, const Vector<T>& free) {
+    a.diagonal_blocks(blocks_);
+    inverse_.resize(12 * blocks_.size());
+    for (std::size_t i = 0; i < blocks_.size(); ++i) {
+      const auto open = block(free, static_cast<std::ptrdiff_t>(i));
+      Mat3<T> D = open.asDiagonal() * blocks_[i] * open.asDiagonal();
+      D.diagonal() += Vec3<T>::Ones() - open;
+      const Mat3<T> c = cofactor(D);
+      const T det = D.col(0).dot(c.col(0));
+      Mat3<T> inverse;
+      if (D(0, 0) > T(0) && c(2, 2) > T(0) && det > T(0)) {
+        inverse = c.transpose() / det;
+      } else {
+        inverse.setZero();
+        for (int k = 0; k < 3; ++k) inverse(k, k) = std::abs(D(k, k)) > T(0) ? 1 / std::abs(D(k, k)) : T(1);
+      }
+      for (int k = 0; k < 3; ++k) {
+        T* column = &inverse_[12 * i + 4 * static_cast<std::size_t>(k)];
+        for (int row = 0; row < 3; ++row) column[row] = inverse(row, k);
+        column[3] = T(0);
+      }
+    }
+  }
+  void apply(const Vector<T>& r, Vector<T>& z) const {
+    using Four = Batch<T, 4>;
+    const T* p = inverse_.data();
+    for (std::ptrdiff_t i = 0; i < r.size(); i += block_stride, p += 12)
+      (Four::load(p) * Four(r[i]) + Four::load(p + 4) * Four(r[i + 1]) + Four::load(p + 8) * Four(r[i + 2])).store(&z[i]);
+  }
+
+ private:
+  std::vector<Mat3<T>> blocks_;
+  std::vector<T> inverse_;  // three columns of four per block
+};
+
+}  // namespace softsim

@@ -1,0 +1,198 @@
+// SPDX-FileCopyrightText: 2026 The softsim authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "softsim/core/state.hpp"
+#include "softsim/system/block_matrix.hpp"
+
+namespace softsim {
+
+/// Weights of the operator A = mass M + stiffness K(q) + lagged K(q_0).
+struct TangentWeights {
+  double mass = 0;
+  double stiffness = 1;
+  double lagged = 0;
+};
+
+namespace detail {
+
+// Block positions of all stencils of one term in a matrix, row-major per stencil.
+template <class Term, class Position>
+std::vector<std::int32_t> stencil_positions(const Term& term, Position position) {
+  std::vector<std::int32_t> result;
+  if constexpr (Term::has_hessian)
+    term.for_each_stencil([&](const auto& stencil) {
+      for (const std::int32_t i : stencil)
+        for (const std::int32_t j : stencil) result.push_back(position(i, j));
+    });
+  return result;
+}
+
+template <class S>
+std::size_t stencil_count(const S& system) {
+  std::size_t count = 0;
+  system.for_each_term([&](const auto& term) {
+    if constexpr (std::decay_t<decltype(term)>::has_hessian) count += term.size();
+  });
+  return count;
+}
+
+// Adds scale K(q) block by block.
+template <class S, class T>
+void add_stiffness(const S& system, const State<T>& q, double scale, const std::vector<std::vector<std::int32_t>>& positions,
+                   T* values) {
+  std::size_t k = 0;
+  system.for_each_term([&](const auto& term) {
+    if constexpr (std::decay_t<decltype(term)>::has_hessian)
+      term.add_blocks(q, static_cast<T>(scale), positions[k], values);
+    ++k;
+  });
+}
+
+}  // namespace detail
+
+/// The tangent as an assembled matrix of 3x3 blocks: the pattern is made at the first `set`, later ones refill it. The
+/// faster choice where the same tangent multiplies more than a dozen times.
+template <class S>
+class AssembledTangent {
+ public:
+  using T = typename S::Scalar;
+
+  /// Linearises `system` at q (and q_0, if its weight is not zero).
+  void set(const S& system, const State<T>& q, const TangentWeights& weights, const State<T>* q_0 = nullptr) {
+    if (system_ != &system || stencils_ != detail::stencil_count(system)) make_pattern(system);
+    matrix_.set_zero();
+    detail::add_stiffness(system, q, weights.stiffness, positions_, matrix_.values());
+    if (weights.lagged != 0) detail::add_stiffness(system, *q_0, weights.lagged, positions_, matrix_.values());
+    if (weights.mass != 0) {
+      const T w = static_cast<T>(weights.mass);
+      for (std::size_t i = 0; i < diagonal_.size(); ++i)
+        matrix_.block(diagonal_[i]).diagonal() += w * block(system.mass.diagonal(), static_cast<std::ptrdiff_t>(i));
+      std::size_t k = 0;
+      system.mass.for_each_coupling([&](std::int32_t, std::int32_t, T m) {
+        matrix_.block(mass_positions_[k++]).diagonal().array() += w * m;
+      });
+    }
+  }
+
+  /// y = A x, zero where a component is prescribed.
+  void apply(const Vector<T>& x, Vector<T>& y) const {
+    matrix_.apply(x, y);
+    system_->prescribed.mask(y);
+  }
+
+  /// Diagonal blocks of A.
+  void diagonal_blocks(std::vector<Mat3<T>>& blocks) const {
+    blocks.resize(diagonal_.size());
+    for (std::size_t i = 0; i < diagonal_.size(); ++i) blocks[i] = matrix_.block(diagonal_[i]);
+  }
+
+  /// The matrix, prescribed components included.
+  [[nodiscard]] const BlockMatrix<T>& matrix() const { return matrix_; }
+
+ private:
+  void make_pattern(const S& system) {
+    system_ = &system;
+    stencils_ = detail::stencil_count(system);
+    const std::size_t n = system.rest().size();
+    std::vector<std::pair<std::int32_t, std::int32_t>> blocks;
+    for (std::size_t i = 0; i < n; ++i) blocks.emplace_back(static_cast<std::int32_t>(i), static_cast<std::int32_t>(i));
+    system.for_each_term([&](const auto& term) {
+      if constexpr (std::decay_t<decltype(term)>::has_hessian)
+        term.for_each_stencil([&](const auto& stencil) {
+          for (const std::int32_t i : stencil)
+            for (const std::int32_t j : stencil) blocks.emplace_back(i, j);
+        });
+    });
+    system.mass.for_each_coupling([&](std::int32_t i, std::int32_t j, T) { blocks.emplace_back(i, j); });
+    matrix_ = BlockMatrix<T>(n, std::move(blocks));
+    const auto position = [&](std::int32_t i, std::int32_t j) { return matrix_.position(i, j); };
+    positions_.clear();
+    system.for_each_term([&](const auto& term) { positions_.push_back(detail::stencil_positions(term, position)); });
+    diagonal_.clear();
+    for (std::size_t i = 0; i < n; ++i) diagonal_.push_back(position(static_cast<std::int32_t>(i), static_cast<std::int32_t>(i)));
+    mass_positions_.clear();
+    system.mass.for_each_coupling([&](std::int32_t i, std::int32_t j, T) { mass_positions_.push_back(position(i, j)); });
+  }
+
+  const S* system_ = nullptr;
+  std::size_t stencils_ = 0;
+  BlockMatrix<T> matrix_;
+  std::vector<std::vector<std::int32_t>> positions_;
+  std::vector<std::int32_t> diagonal_, mass_positions_;
+};
+
+/// The tangent as a product that stores nothing but the states: the choice for few products or little memory.
+template <class S>
+class MatrixFreeTangent {
+ public:
+  using T = typename S::Scalar;
+
+  /// Linearises `system` at q (and q_0, if its weight is not zero); the states must stay alive and unchanged.
+  void set(const S& system, const State<T>& q, const TangentWeights& weights, const State<T>* q_0 = nullptr) {
+    if (system_ != &system || stencils_ != detail::stencil_count(system)) {
+      system_ = &system;
+      stencils_ = detail::stencil_count(system);
+      positions_.clear();
+      system.for_each_term([&](const auto& term) {
+        positions_.push_back(detail::stencil_positions(term, [](std::int32_t i, std::int32_t j) { return i == j ? i : -1; }));
+      });
+    }
+    q_ = &q;
+    q_0_ = q_0;
+    weights_ = weights;
+    scratch_.setZero(system.size());
+  }
+
+  /// y = A x, zero where a component is prescribed.
+  void apply(const Vector<T>& x, Vector<T>& y) const {
+    y.setZero();
+    add(*q_, weights_.stiffness, x, y);
+    if (weights_.lagged != 0) add(*q_0_, weights_.lagged, x, y);
+    if (weights_.mass != 0) system_->mass.add_product(x, static_cast<T>(weights_.mass), y);
+    system_->prescribed.mask(y);
+  }
+
+  /// Diagonal blocks of A.
+  void diagonal_blocks(std::vector<Mat3<T>>& blocks) const {
+    blocks.resize(system_->rest().size());
+    for (std::size_t i = 0; i < blocks.size(); ++i)
+      blocks[i] = static_cast<T>(weights_.mass) * block(system_->mass.diagonal(), static_cast<std::ptrdiff_t>(i)).asDiagonal().toDenseMatrix();
+    T* values = blocks.front().data();
+    detail::add_stiffness(*system_, *q_, weights_.stiffness, positions_, values);
+    if (weights_.lagged != 0) detail::add_stiffness(*system_, *q_0_, weights_.lagged, positions_, values);
+  }
+
+ private:
+  void add(const State<T>& q, double weight, const Vector<T>& x, Vector<T>& y) const {
+    if (weight == 1) return system_->add_hessian_product(q, x, y);
+    scratch_ = static_cast<T>(weight) * x;  // the Hessian is linear in its direction
+    system_->add_hessian_product(q, scratch_, y);
+  }
+
+  const S* system_ = nullptr;
+  const State<T>*q_ = nullptr, *q_0_ = nullptr;
+  TangentWeights weights_;
+  std::size_t stencils_ = 0;
+  std::vector<std::vector<std::int32_t>> positions_;
+  mutable Vector<T> scratch_;
+};
+
+/// Chooses the assembled tangent for a solver or an integrator.
+struct Assembled {
+  template <class S>
+  using Tangent = AssembledTangent<S>;
+};
+/// Chooses the matrix-free tangent for a solver or an integrator.
+struct MatrixFree {
+  template <class S>
+  using Tangent = MatrixFreeTangent<S>;
+};
+
+}  // namespace softsim
