@@ -52,7 +52,7 @@ std::vector<T> decoded(const std::string& file, const std::string& name, const s
   std::memcpy(&bytes, file.data() + data + offset, sizeof bytes);
   EXPECT_LE(data + offset + sizeof bytes + bytes, file.size());
   std::vector<T> values(bytes / sizeof(T));
-  std::memcpy(values.data(), file.data() + data + offset + sizeof bytes, values.size() * sizeof(T));
+  if (!values.empty()) std::memcpy(values.data(), file.data() + data + offset + sizeof bytes, bytes);
   return values;
 }
 

@@ -28,7 +28,7 @@
 namespace softsim {
 inline namespace SOFTSIM_SIMD_NAMESPACE {
 
-namespace detail {
+namespace simd_detail {
 // A trait of its own: as a member typedef of Batch, g++ 12 drops the attribute. Without aligned(16) clang 14
 // rejects Eigen::Matrix<Batch, ...> where the target has no register of that size.
 template <class T, int N>
@@ -37,12 +37,12 @@ struct VectorRegister {
 };
 template <class T>
 using MaskInteger = std::conditional_t<sizeof(T) == 8, long long, int>;
-}  // namespace detail
+}  // namespace simd_detail
 
 /// Result of comparing two batches lane by lane; goes into `select`, `any`, `all`.
 template <class T, int N>
 struct BatchMask {
-  typename detail::VectorRegister<detail::MaskInteger<T>, N>::type lanes;
+  typename simd_detail::VectorRegister<simd_detail::MaskInteger<T>, N>::type lanes;
 
   friend BatchMask operator&(BatchMask a, BatchMask b) { return {a.lanes & b.lanes}; }
   friend BatchMask operator|(BatchMask a, BatchMask b) { return {a.lanes | b.lanes}; }
@@ -64,7 +64,7 @@ struct BatchMask {
 template <class T, int N>
 struct Batch {
   static_assert(std::is_floating_point_v<T> && N >= 2 && (N & (N - 1)) == 0);
-  using Register = typename detail::VectorRegister<T, N>::type;
+  using Register = typename simd_detail::VectorRegister<T, N>::type;
   using Mask = BatchMask<T, N>;
 
   Register lanes;

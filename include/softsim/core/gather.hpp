@@ -12,7 +12,7 @@
 
 namespace softsim {
 inline namespace SOFTSIM_SIMD_NAMESPACE {
-namespace detail {
+namespace simd_detail {
 
 // Transposes every 4x4 group of four batches (its own inverse): lane 4g + i of batch j <-> lane 4g + j of batch i. Two
 // rounds of shuffles, which the compilers turn into unpack and permute instructions.
@@ -39,7 +39,7 @@ Batch<T, N> load_groups(const T* base, const std::int32_t* ids) {
   return Batch<T, N>::load(lanes);
 }
 
-}  // namespace detail
+}  // namespace simd_detail
 
 /// Numbers of N blocks of a flat vector.
 template <int N>
@@ -54,8 +54,8 @@ template <class T, int N>
   } else {
     using B = Batch<T, N>;
     B r[4];
-    for (int i = 0; i < 4; ++i) r[i] = detail::load_groups<T, N>(base, ids.data() + i);
-    detail::transpose_groups(r, std::make_integer_sequence<int, N>{});
+    for (int i = 0; i < 4; ++i) r[i] = simd_detail::load_groups<T, N>(base, ids.data() + i);
+    simd_detail::transpose_groups(r, std::make_integer_sequence<int, N>{});
     return Vec3<B>(r[0], r[1], r[2]);
   }
 }
@@ -70,7 +70,7 @@ void scatter_add_blocks(T* base, const BlockIds<N>& ids, const Vec3<Lanes<T, N>>
   } else {
     using Four = Batch<T, 4>;
     Batch<T, N> r[4] = {v[0], v[1], v[2], Batch<T, N>(0)};
-    detail::transpose_groups(r, std::make_integer_sequence<int, N>{});
+    simd_detail::transpose_groups(r, std::make_integer_sequence<int, N>{});
     alignas(sizeof(T) * N) T parts[4][N];
     for (int i = 0; i < 4; ++i) r[i].store(parts[i]);
     for (int l = 0; l < count; ++l) {

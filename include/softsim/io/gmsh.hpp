@@ -48,7 +48,7 @@ class GmshReader {
       Scanner header = file_.line("a section");
       const std::string name(header.word("section name"));
       if (name[0] != '$')
-        header.fail(quoted(name) + " stands outside of a section such as $Nodes ... $EndNodes");
+        header.fail(in_quotes(name) + " stands outside of a section such as $Nodes ... $EndNodes");
       header.finish();
       section(name, header);
     }
@@ -92,7 +92,7 @@ class GmshReader {
     else if (version == "2" || version == "2.0" || version == "2.1" || version == "2.2")
       version_ = 2;
     else
-      record.fail("format version " + quoted(version) + " is not read; save the mesh as version 4.1 or 2.2");
+      record.fail("format version " + in_quotes(version) + " is not read; save the mesh as version 4.1 or 2.2");
     if (record.integer("file type", 0, 1) == 1)
       record.fail("the file is binary; write it as ASCII or convert it with meshio");
     record.integer("data size", 1, 16);
@@ -110,7 +110,7 @@ class GmshReader {
   void end(const std::string& name) {
     Scanner record = file_.line(name);
     const std::string_view w = record.word(name);
-    if (w != name) record.fail(quoted(w) + " stands where " + name + " was expected");
+    if (w != name) record.fail(in_quotes(w) + " stands where " + name + " was expected");
     record.finish();
   }
 
@@ -120,7 +120,7 @@ class GmshReader {
     if (file_.at_end()) file_.fail("the file ends where " + which() + " was expected");
     Scanner line = file_.rest_of_line();
     if (line.peek().front() == '$')
-      line.fail(quoted(line.peek()) + " stands where " + which() + " was expected");
+      line.fail(in_quotes(line.peek()) + " stands where " + which() + " was expected");
     return line;
   }
 

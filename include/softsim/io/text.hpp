@@ -23,7 +23,7 @@ struct CloseFile {
 };
 
 /// A word of a file in quotation marks, made fit for a one-line message.
-[[nodiscard]] inline std::string quoted(std::string_view word) {
+[[nodiscard]] inline std::string in_quotes(std::string_view word) {
   constexpr std::size_t longest = 60;
   std::string text = "'";
   for (const char c : word.substr(0, longest)) text += c >= 0 && c < ' ' ? '?' : c;
@@ -118,7 +118,7 @@ class Scanner {
   }
   /// Refuses anything that is left over.
   void finish() {
-    if (!at_end()) fail(quoted(peek()) + " is one entry too many in this line");
+    if (!at_end()) fail(in_quotes(peek()) + " is one entry too many in this line");
   }
 
   /// A whole number in [lowest, highest].
@@ -127,9 +127,9 @@ class Scanner {
     long long value = 0;
     const std::errc error = parse(w, value);
     if (error == std::errc::invalid_argument)
-      fail(std::string(what) + " " + quoted(w) + " is not an integer");
+      fail(std::string(what) + " " + in_quotes(w) + " is not an integer");
     if (error != std::errc() || value < lowest || value > highest)
-      fail(std::string(what) + " " + quoted(w) + " is out of range (" + std::to_string(lowest) + " to " +
+      fail(std::string(what) + " " + in_quotes(w) + " is out of range (" + std::to_string(lowest) + " to " +
            std::to_string(highest) + ")");
     return value;
   }
@@ -140,12 +140,12 @@ class Scanner {
     long long value = 0;
     const std::errc error = parse(w, value);
     if (error == std::errc::invalid_argument)
-      fail(std::string(what) + " " + quoted(w) + " is not an integer");
+      fail(std::string(what) + " " + in_quotes(w) + " is not an integer");
     if (w.front() == '-' && (value < 0 || error != std::errc()))
-      fail(std::string(what) + " " + quoted(w) + " is negative");
+      fail(std::string(what) + " " + in_quotes(w) + " is negative");
     constexpr std::size_t highest_index = 2147483647;
     if (error != std::errc() || static_cast<std::size_t>(value) > std::min(most, highest_index))
-      fail(std::string(what) + " " + quoted(w) + " is more than the file can hold");
+      fail(std::string(what) + " " + in_quotes(w) + " is more than the file can hold");
     return static_cast<std::size_t>(value);
   }
 
@@ -154,9 +154,9 @@ class Scanner {
     const std::string_view w = word(what);
     double value = 0;
     const std::errc error = parse(w, value);
-    if (error == std::errc::invalid_argument) fail(std::string(what) + " " + quoted(w) + " is not a number");
-    if (error != std::errc()) fail(std::string(what) + " " + quoted(w) + " is out of range");
-    if (!std::isfinite(value)) fail(std::string(what) + " " + quoted(w) + " is not a finite number");
+    if (error == std::errc::invalid_argument) fail(std::string(what) + " " + in_quotes(w) + " is not a number");
+    if (error != std::errc()) fail(std::string(what) + " " + in_quotes(w) + " is out of range");
+    if (!std::isfinite(value)) fail(std::string(what) + " " + in_quotes(w) + " is not a finite number");
     return value;
   }
 
@@ -166,7 +166,7 @@ class Scanner {
     const double value = real(what);
     if (std::abs(value) > 2147483647.0 || value != std::floor(value)) {
       const std::string_view w = before.word(what);
-      fail(std::string(what) + " " + quoted(w) + " is not an integer of 32 bits");
+      fail(std::string(what) + " " + in_quotes(w) + " is not an integer of 32 bits");
     }
     return static_cast<int>(value);
   }

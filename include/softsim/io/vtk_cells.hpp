@@ -88,8 +88,8 @@ struct VtkCells {
 [[noreturn]] inline void refuse_cell_array(const std::string& path, const std::string& wanted,
                                            const std::vector<std::string>& present) {
   std::string names;
-  for (const std::string& name : present) names += (names.empty() ? "" : ", ") + quoted(name);
-  invalid(path + ": cell array " + quoted(wanted) + " is not in the file, which has " +
+  for (const std::string& name : present) names += (names.empty() ? "" : ", ") + in_quotes(name);
+  invalid(path + ": cell array " + in_quotes(wanted) + " is not in the file, which has " +
           (names.empty() ? "no cell arrays" : names));
 }
 

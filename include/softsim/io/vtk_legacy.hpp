@@ -45,7 +45,7 @@ class VtkLegacyReader {
       else if (keyword == "metadata")
         metadata();
       else if (data_ == Data::none || !attribute(keyword))
-        at.fail("keyword " + quoted(keyword) + " is not known");
+        at.fail("keyword " + in_quotes(keyword) + " is not known");
     }
     if (!have_points_) file_.fail("the file has no POINTS");
     if (!have_cells_) file_.fail("the file has no CELLS");
@@ -86,19 +86,19 @@ class VtkLegacyReader {
   void header() {
     Scanner magic = file_.rest_of_line();
     if (magic.peek() != "#" || magic.word("#") != "#" || lower(magic.peek()) != "vtk")
-      magic.fail(quoted(magic.peek()) + " stands where '# vtk DataFile Version' was expected");
+      magic.fail(in_quotes(magic.peek()) + " stands where '# vtk DataFile Version' was expected");
     file_.rest_of_line();
     Scanner encoding = file_.line("ASCII");
     const std::string kind = lower(encoding.word("ASCII"));
     if (kind == "binary") encoding.fail("the file is binary; write it as ASCII or convert it with meshio");
-    if (kind != "ascii") encoding.fail(quoted(kind) + " stands where ASCII was expected");
+    if (kind != "ascii") encoding.fail(in_quotes(kind) + " stands where ASCII was expected");
     encoding.finish();
     Scanner dataset = file_.line("DATASET UNSTRUCTURED_GRID");
     const std::string_view keyword = dataset.word("DATASET");
-    if (lower(keyword) != "dataset") dataset.fail(quoted(keyword) + " stands where DATASET was expected");
+    if (lower(keyword) != "dataset") dataset.fail(in_quotes(keyword) + " stands where DATASET was expected");
     const std::string_view type = dataset.word("dataset type");
     if (lower(type) != "unstructured_grid")
-      dataset.fail("dataset type " + quoted(type) + " is not read, only UNSTRUCTURED_GRID");
+      dataset.fail("dataset type " + in_quotes(type) + " is not read, only UNSTRUCTURED_GRID");
     dataset.finish();
   }
 
@@ -173,7 +173,7 @@ class VtkLegacyReader {
                  std::to_string(size));
     const std::string_view keyword = file_.word("CONNECTIVITY");
     if (lower(keyword) != "connectivity")
-      file_.fail(quoted(keyword) + " stands where CONNECTIVITY was expected");
+      file_.fail(in_quotes(keyword) + " stands where CONNECTIVITY was expected");
     file_.word("type of CONNECTIVITY");
     for (const std::size_t end : cells_.end) {
       cells_.line.push_back(file_.next_line_number());
@@ -208,9 +208,9 @@ class VtkLegacyReader {
   void values(std::string_view name, std::size_t n, std::size_t components, std::string_view type) {
     if (data_ == Data::cells) present_.push_back(decoded(name));
     if (data_ == Data::cells && !wanted_.empty() && present_.back() == wanted_) {
-      if (found_) file_.fail("a second cell array " + quoted(wanted_));
+      if (found_) file_.fail("a second cell array " + in_quotes(wanted_));
       if (n != cells_.end.size() || components != 1)
-        file_.fail("cell array " + quoted(wanted_) + " has " + std::to_string(components) +
+        file_.fail("cell array " + in_quotes(wanted_) + " has " + std::to_string(components) +
                    " components and " + std::to_string(n) + " entries, not one for each of the " +
                    std::to_string(cells_.end.size()) + " cells");
       found_ = true;

@@ -28,7 +28,7 @@ class VtuReader {
     const XmlElement root = XmlParser(path_, text_).parse();
     if (root.name != "VTKFile") root.at.fail("<" + root.name + "> stands where <VTKFile> was expected");
     if (root.required("type") != "UnstructuredGrid")
-      root.at.fail("file type " + quoted(root.required("type")) + " is not read, only UnstructuredGrid");
+      root.at.fail("file type " + in_quotes(root.required("type")) + " is not read, only UnstructuredGrid");
     const XmlElement& grid = root.required_child("UnstructuredGrid");
     bool any = false;
     for (const XmlElement& element : grid.children)
@@ -71,16 +71,16 @@ class VtuReader {
   static void check(const XmlElement& data, std::string_view components) {
     const std::string* format = data.attribute("format");
     if (format != nullptr && *format != "ascii")
-      data.at.fail("the data are binary (format " + quoted(*format) +
+      data.at.fail("the data are binary (format " + in_quotes(*format) +
                    "); write the file as ASCII or convert it with meshio");
     const std::string& type = data.required("type");
     constexpr std::string_view types[] = {"Float32", "Float64", "Int8",  "Int16",  "Int32",
                                           "Int64",   "UInt8",   "UInt16", "UInt32", "UInt64"};
     if (std::find(std::begin(types), std::end(types), type) == std::end(types))
-      data.at.fail("data type " + quoted(type) + " is not numeric");
+      data.at.fail("data type " + in_quotes(type) + " is not numeric");
     const std::string* found = data.attribute("NumberOfComponents");
     if (found != nullptr && *found != components)
-      data.at.fail("NumberOfComponents " + quoted(*found) + " stands where " + std::string(components) +
+      data.at.fail("NumberOfComponents " + in_quotes(*found) + " stands where " + std::string(components) +
                    " was expected");
   }
 
@@ -91,7 +91,7 @@ class VtuReader {
     for (Scanner stretch : data.text)
       while (!stretch.at_end()) {
         if (found++ == n)
-          stretch.fail(quoted(stretch.peek()) + " is one value more than the expected " + std::to_string(n));
+          stretch.fail(in_quotes(stretch.peek()) + " is one value more than the expected " + std::to_string(n));
         read(stretch);
       }
     if (found < n)

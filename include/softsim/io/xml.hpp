@@ -108,7 +108,7 @@ class XmlParser {
     Scanner stretch = here(end - position_);
     advance(end - position_);
     if (stretch.at_end()) return;
-    if (open.size() == 1) stretch.fail(quoted(stretch.peek()) + " stands where an XML tag was expected");
+    if (open.size() == 1) stretch.fail(in_quotes(stretch.peek()) + " stands where an XML tag was expected");
     open.back().text.push_back(stretch);
   }
 
@@ -155,13 +155,13 @@ class XmlParser {
   std::string name() {
     const std::size_t n =
         std::min(text_.find_first_of(" \t\r\n<>/='\"&", position_), text_.size()) - position_;
-    if (n == 0) here(0).fail(quoted(text_.substr(position_, 1)) + " stands where an XML name was expected");
+    if (n == 0) here(0).fail(in_quotes(text_.substr(position_, 1)) + " stands where an XML name was expected");
     return std::string(advance(n));
   }
 
   void expect(char c) {
     if (now() != c)
-      here(0).fail(quoted(text_.substr(position_, 1)) + " stands where " + quoted({&c, 1}) +
+      here(0).fail(in_quotes(text_.substr(position_, 1)) + " stands where " + in_quotes({&c, 1}) +
                    " was expected in a tag");
     advance(1);
   }
@@ -184,7 +184,7 @@ class XmlParser {
           length = entity.size();
         }
       if (c == '&' && length == 1)
-        here(0).fail("attribute value " + quoted(raw) + " holds an unknown entity");
+        here(0).fail("attribute value " + in_quotes(raw) + " holds an unknown entity");
       plain += c;
       raw.remove_prefix(length);
     }

@@ -386,7 +386,8 @@ def draw(points, displacement, tetrahedra, time, title, output):
     if title:
         write(title, middle, height - 0.1, va="top", fontsize=14, weight="bold")
     counts = f"{len(tetrahedra):,} tetrahedra, {len(points):,} nodes"
-    write(f"max displacement {largest:.3g} m    |    {counts}", middle, 0.12, va="bottom", fontsize=10, color="0.25")
+    write(f"max displacement {largest:.3g} m    |    {counts}", middle, 0.12, va="bottom", fontsize=10,
+          color="0.25")
 
     bar_height = 0.8 * panel[1]
     bar_axes = figure.add_axes(rectangle(width - bar_room + 0.2, foot + 0.1 * panel[1], 0.15, bar_height))
