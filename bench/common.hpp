@@ -144,11 +144,11 @@ inline Vec3<double> deformation(const Vec3<double>& X) {
 }
 
 /// Flat vector with f(rest position) in each point's block.
-template <class T, class Function>
-Vector<T> field(const TetrahedralMesh& mesh, Function f) {
+template <class T>
+Vector<T> field(const TetrahedralMesh& mesh, Vec3<double> (*f)(const Vec3<double>&)) {
   Vector<T> v = State<T>(mesh.points().size()).displacement;
   for (std::size_t i = 0; i < mesh.points().size(); ++i)
-    block(v, static_cast<std::ptrdiff_t>(i)) = Vec3<double>(f(mesh.points()[i])).template cast<T>();
+    block(v, static_cast<std::ptrdiff_t>(i)) = f(mesh.points()[i]).cast<T>();
   return v;
 }
 

@@ -183,9 +183,10 @@ struct ReferenceState {
   Vector<double> x, d;  // positions and a direction, packed
 
   explicit ReferenceState(int n) : body(cube(n), Kind<Law, double>::law()) {
-    x = packed(field<double>(cube(n), [](const Vec3<double>& X) { return X + deformation(X); }));
+    x = packed(field<double>(cube(n), position));
     d = packed(field<double>(cube(n), direction));
   }
+  static Vec3<double> position(const Vec3<double>& X) { return X + deformation(X); }
   static Vec3<double> direction(const Vec3<double>& X) {
     return {std::sin(3 * X[1] + 1), std::cos(4 * X[2]), std::sin(5 * X[0] + 2 * X[1])};
   }

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Installs what is missing, builds the example `deform` in build/release and runs it. Arguments go to deform; the results
-# go to out/organ in the current folder unless --out says otherwise.
+# Installs what is missing, builds the example `deform` in build/release and runs it. Arguments go to deform; without any
+# it deforms the shipped organ and writes to out/organ in the current folder.
 # SPDX-License-Identifier: MIT
 set -eu
 root=$(cd "$(dirname "$0")/.." && pwd)
@@ -16,9 +16,4 @@ if lacks libgtest-dev || lacks libbenchmark-dev; then others=OFF; fi
     cmake --build build/release --target deform -j "$(processors)"
 )
 
-for argument; do
-    case $argument in
-    --out | --out=* | --help | -h) exec "$root/build/release/examples/deform" "$@" ;;
-    esac
-done
-exec "$root/build/release/examples/deform" "$@" --out out/organ
+exec "$root/build/release/examples/deform" "$@"

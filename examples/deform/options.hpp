@@ -137,16 +137,16 @@ inline bool is_second(std::string_view option, std::string_view text, std::strin
   return text == second;
 }
 
-/// The shipped organ, held at its right lobe, under its weight, with a pull on the tip of its left lobe; used for what the
-/// command line leaves open when it names no mesh.
+/// The shipped organ, held at its bottom, under its weight, pulled up and out at the tip of its left lobe; used for what
+/// the command line leaves open when it names no mesh.
 inline Options organ_defaults() {
   Options o;
   o.material = "neo-hookean";
-  o.parameters = {5000, 0.4, 1060};
-  o.fix = {Side::xmin};
-  o.fix_depth = 0.1;
+  o.parameters = {10000, 0.4, 1060};
+  o.fix = {Side::zmin};
+  o.fix_depth = 0.2;
   o.gravity = {0, 0, -9.81};
-  o.pulls = {{Side::xmax, {0.5, 0, 1.0}}};
+  o.pulls = {{Side::xmax, {1, 0, 2.2}}};
   o.statics = false;
   o.steps = 100;
   o.dt = 0.01;

@@ -218,4 +218,15 @@ TYPED_TEST(PolarBatchTest, EveryLaneEqualsTheScalarResult) {
   }
 }
 
+TYPED_TEST(PolarBatchTest, ZeroInOneLaneGivesTheIdentityThere) {
+  using B = TypeParam;
+  using T = decltype(softsim::lane(B{}, 0));
+  softsim::Mat3<B> F = softsim::Mat3<B>::Identity();
+  for (int i = 0; i < 9; ++i) softsim::set_lane(F(i), 1, T(0));
+  const softsim::Mat3<B> R = rotation_factor(F);
+  for (int i = 0; i < 9; ++i)
+    for (int l = 0; l < softsim::lane_count<B>; ++l)
+      EXPECT_NEAR(softsim::lane(R(i), l), i % 4 == 0 ? 1 : 0, std::numeric_limits<T>::epsilon());
+}
+
 }  // namespace

@@ -106,6 +106,13 @@ TYPED_TEST(RotationTest, LogarithmOfExactHalfTurnsHasLengthPi) {
   EXPECT_EQ(rotation_logarithm<T>(softsim::Mat3<T>::Identity()).norm(), 0);
 }
 
+TYPED_TEST(RotationTest, SubnormalVectorsComeBack) {
+  using T = TypeParam;
+  // The norm of such a vector has no digits left; a factor of two does not round it.
+  const softsim::Vec3<T> r = std::numeric_limits<T>::min() * softsim::Vec3<T>(0.125, -0.25, 0.0625);
+  EXPECT_EQ(rotation_logarithm(rotation_exponential(r)), r);
+}
+
 TYPED_TEST(RotationTest, VectorsBeyondPiComeBackAsTheShortWayRound) {
   using T = TypeParam;
   const softsim::Vec3<T> axis = this->random_axis(), r = T(4) * axis;

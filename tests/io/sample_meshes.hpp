@@ -4,7 +4,8 @@
 
 #include <string>
 
-/// The same two tetrahedra, of regions 7 and 9, in every accepted format. Beside them stand surface and line elements.
+/// The same two tetrahedra, of regions 7 and 9, in every accepted format. Beside them stand surface and line
+/// elements.
 /// Node positions: (0 0 0), (1 0 0), (0 1 0), (0 0 1), (1 1 1.5).
 namespace softsim::test {
 

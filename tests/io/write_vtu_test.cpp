@@ -120,8 +120,10 @@ TEST(WriteVtu, RefusesFieldsThatDoNotFitBeforeItTouchesTheFile) {
     return [=] { write_vtu(path, points, tetrahedra, point_fields, cell_fields); };
   };
   using Error = std::invalid_argument;
-  expect_throw_saying<Error>(with({{"u", 3, {1, 2, 3}}}, {}), {path, "point field 'u'", "3 values", "5 points"});
-  expect_throw_saying<Error>(with({}, {{"e", 1, {1, 2, 3}}}), {path, "cell field 'e'", "3 values", "2 cells"});
+  expect_throw_saying<Error>(with({{"u", 3, {1, 2, 3}}}, {}),
+                             {path, "point field 'u'", "3 values", "5 points"});
+  expect_throw_saying<Error>(with({}, {{"e", 1, {1, 2, 3}}}),
+                             {path, "cell field 'e'", "3 values", "2 cells"});
   expect_throw_saying<Error>(with({}, {{"e", 0, {}}}), {path, "cell field 'e'", "0 components"});
   expect_throw_saying<Error>(with({}, {{"e", -1, {1, 2}}}), {path, "cell field 'e'", "-1 components"});
   expect_throw_saying<Error>(with({}, {{"", 1, {1, 2}}}), {path, "cell field 0", "empty"});
@@ -150,8 +152,8 @@ TEST(WriteVtu, LeavesNothingBehindIfTheNameBelongsToAFolder) {
   EXPECT_EQ(folder.number_of_files(), 1u);
 }
 
-// Writing through a link to /dev/full fails as on a full disk. Both a small file, which only meets the error when it
-// is closed, and one that is larger than the buffers of stdio.
+// Writing through a link to /dev/full fails as on a full disk. Both a small file, which only meets the error
+// when it is closed, and one that is larger than the buffers of stdio.
 TEST(WriteVtu, KeepsTheOldFileIfTheDiskIsFull) {
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "needs /dev/full";
   const TemporaryFolder folder;
@@ -175,6 +177,7 @@ TEST(VtuSeries, ListsEveryStateAfterEveryStep) {
   const std::locale before = std::locale::global(std::locale(std::locale(), new DecimalComma));
   VtuSeries series(folder.path(), "beam & co");
   const std::vector<double> times{-1, 0.1, 1.0 / 3};
+  const std::vector<std::string> written_times{"-1", "0.1", "0.3333333333333333"};
   for (std::size_t step = 0; step < times.size(); ++step) {
     std::vector<Vec3<double>> moved = points;
     moved[0][0] = -static_cast<double>(step);
@@ -190,7 +193,7 @@ TEST(VtuSeries, ListsEveryStateAfterEveryStep) {
       at = pvd.find("<DataSet ", at + 1);
       ASSERT_NE(at, std::string::npos);
       const std::string entry = pvd.substr(at);
-      EXPECT_EQ(attribute(entry, "timestep"), (std::vector<std::string>{"-1", "0.1", "0.3333333333333333"})[i]);
+      EXPECT_EQ(attribute(entry, "timestep"), written_times[i]);
       EXPECT_EQ(attribute(entry, "file"), "beam &amp; co_00000" + std::to_string(i) + ".vtu");
       const std::string state = slurp(folder.path("beam & co_00000" + std::to_string(i) + ".vtu"));
       EXPECT_EQ(decoded<double>(state, "Points", "Float64")[0], -static_cast<double>(i));
@@ -233,7 +236,8 @@ TEST(VtuSeries, GoesOnAfterAFailedStep) {
   EXPECT_EQ(series.size(), 1u);
   std::filesystem::remove(series.path() + ".part");
   series.add(2, points, tetrahedra);
-  EXPECT_NE(slurp(series.path()).find("timestep=\"2\" part=\"0\" file=\"beam_000001.vtu\""), std::string::npos);
+  const std::string pvd = slurp(series.path());
+  EXPECT_NE(pvd.find("timestep=\"2\" part=\"0\" file=\"beam_000001.vtu\""), std::string::npos);
 }
 
 }  // namespace

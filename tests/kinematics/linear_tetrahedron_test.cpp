@@ -119,8 +119,9 @@ TEST(LinearTetrahedron, DifferentialIsTheDifferenceOfTwoGradients) {
 TEST(LinearTetrahedron, PullbackIsTheTransposeOfTheDifferential) {
   Random random(4);
   for (int n = 0; n < 100; ++n) {
-    const auto data = LinearTetrahedron::make(corners(random));
-    const Local<double, 4> u{};
+    const Corners X = corners(random);
+    const auto data = LinearTetrahedron::make(X);
+    const Local<double, 4> u = affine(X, random.matrix(), random.vec());
     const Matrix P = random.matrix();
     const Twelve du = random_twelve(random);
     EXPECT_NEAR(softsim::double_dot<double>(P, LinearTetrahedron::deformation_gradient_differential(data, u, du)),
@@ -131,7 +132,9 @@ TEST(LinearTetrahedron, PullbackIsTheTransposeOfTheDifferential) {
 TEST(LinearTetrahedron, PullbackSumsToZero) {
   Random random(5);
   for (int n = 0; n < 100; ++n) {
-    const Twelve f = LinearTetrahedron::pullback(LinearTetrahedron::make(corners(random)), {}, random.matrix());
+    const Corners X = corners(random);
+    const Local<double, 4> u = affine(X, random.matrix(), random.vec());
+    const Twelve f = LinearTetrahedron::pullback(LinearTetrahedron::make(X), u, random.matrix());
     const Vec sum = f.segment<3>(0) + f.segment<3>(3) + f.segment<3>(6) + f.segment<3>(9);
     EXPECT_LE(sum.norm(), 1e-15 * f.norm());
   }

@@ -25,7 +25,7 @@ template <class T>
   const T angle = sqrt(select(tiny, T(1), angle2));
   const T half = sin(T(0.5) * angle) / angle;
   const T a = select(tiny, T(1) - angle2 / T(6), sin(angle) / angle);
-  const T b = select(tiny, T(0.5) - angle2 / T(24), T(2) * half * half);
+  const T b = select(tiny, T(0.5), T(2) * half * half);
   const Mat3<T> K = skew(r);
   Mat3<T> R = a * K + b * (K * K);
   R.diagonal().array() += T(1);

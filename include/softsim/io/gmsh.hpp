@@ -92,7 +92,8 @@ class GmshReader {
     else if (version == "2" || version == "2.0" || version == "2.1" || version == "2.2")
       version_ = 2;
     else
-      record.fail("format version " + in_quotes(version) + " is not read; save the mesh as version 4.1 or 2.2");
+      record.fail("format version " + in_quotes(version) +
+                  " is not read; save the mesh as version 4.1 or 2.2");
     if (record.integer("file type", 0, 1) == 1)
       record.fail("the file is binary; write it as ASCII or convert it with meshio");
     record.integer("data size", 1, 16);

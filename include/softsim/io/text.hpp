@@ -154,7 +154,8 @@ class Scanner {
     const std::string_view w = word(what);
     double value = 0;
     const std::errc error = parse(w, value);
-    if (error == std::errc::invalid_argument) fail(std::string(what) + " " + in_quotes(w) + " is not a number");
+    if (error == std::errc::invalid_argument)
+      fail(std::string(what) + " " + in_quotes(w) + " is not a number");
     if (error != std::errc()) fail(std::string(what) + " " + in_quotes(w) + " is out of range");
     if (!std::isfinite(value)) fail(std::string(what) + " " + in_quotes(w) + " is not a finite number");
     return value;

@@ -91,7 +91,8 @@ class VtuReader {
     for (Scanner stretch : data.text)
       while (!stretch.at_end()) {
         if (found++ == n)
-          stretch.fail(in_quotes(stretch.peek()) + " is one value more than the expected " + std::to_string(n));
+          stretch.fail(in_quotes(stretch.peek()) + " is one value more than the expected " +
+                       std::to_string(n));
         read(stretch);
       }
     if (found < n)

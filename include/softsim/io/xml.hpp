@@ -155,7 +155,8 @@ class XmlParser {
   std::string name() {
     const std::size_t n =
         std::min(text_.find_first_of(" \t\r\n<>/='\"&", position_), text_.size()) - position_;
-    if (n == 0) here(0).fail(in_quotes(text_.substr(position_, 1)) + " stands where an XML name was expected");
+    if (n == 0)
+      here(0).fail(in_quotes(text_.substr(position_, 1)) + " stands where an XML name was expected");
     return std::string(advance(n));
   }
 

@@ -17,7 +17,7 @@ struct ConjugateGradientWorkspace {
 
 /// Preconditioned conjugate gradients for symmetric positive definite operators.
 struct ConjugateGradient {
-  int max_iterations = 2000;
+  int max_iterations = 10000;
   double tolerance = 1e-6;  ///< on |b - A x| / |b|
 
   /// Solves A x = b from the x given. Ends early, with the x reached so far and `indefinite` set, at a direction p with

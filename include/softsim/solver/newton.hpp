@@ -18,7 +18,7 @@ namespace softsim {
 
 /// Options of `Newton`.
 struct NewtonOptions {
-  int max_iterations = 100;
+  int max_iterations = 200;
   double tolerance = 1e-6;            ///< on |residual| over the norm that IncrementalPotential::gradient returns
   ConjugateGradient linear = {};      ///< its tolerance is replaced by a forcing term in every iteration but a single one
   int max_halvings = 30;              ///< of the step, in the line search
@@ -125,37 +125,31 @@ class Newton {
     for (int k = 0; k <= options.max_halvings; ++k, step /= 2) {
       trial_ = q;
       retract(trial_, x_, step);
+      bool accepted = prescribed_moves;
+      double after = 0;
       if constexpr (S::conservative) {
-        const double after = potential.value(trial_);
+        after = potential.value(trial_);
         if (!std::isfinite(after)) continue;
-        // Energies that differ by rounding only cannot be compared; the residual then decides.
+        if (!accepted && slope < 0) accepted = after <= before + 1e-4 * static_cast<double>(step) * slope;
+        // Values that differ by rounding only cannot be compared; the gradient then decides (after Hager & Zhang 2005).
         const double noise = 100 * static_cast<double>(std::numeric_limits<T>::epsilon()) *
                              std::max(std::abs(before), std::abs(after));
-        const bool decreased = after <= before + 1e-4 * static_cast<double>(step) * slope;
-        if (!prescribed_moves && !decreased && std::abs(after - before) > noise) continue;
-        const double reference_there = potential.gradient(trial_, trial_gradient_);
-        const double residual_there = free_norm(potential);
-        if (!std::isfinite(residual_there)) continue;
-        if (!prescribed_moves && !(decreased && slope < 0) && !(residual_there < residual)) continue;
-        reference = reference_there;
-      } else {
-        const double reference_there = potential.gradient(trial_, trial_gradient_);
-        const double residual_there = free_norm(potential);
-        if (!std::isfinite(residual_there)) continue;
-        if (!prescribed_moves && !(residual_there <= (1 - 1e-4 * static_cast<double>(step)) * residual)) continue;
-        reference = reference_there;
+        if (!accepted && after > before + noise) continue;
       }
+      const double reference_there = potential.gradient(trial_, trial_gradient_);
+      r_ = trial_gradient_;
+      potential.system().prescribed.mask(r_);
+      const double residual_there = norm(r_);
+      if (!std::isfinite(residual_there)) continue;
+      if (!accepted) accepted = residual_there <= (1 - 1e-4 * static_cast<double>(step)) * residual;
+      if constexpr (S::conservative) accepted = accepted || std::abs(dot(r_, x_)) <= 0.9 * std::abs(slope);
+      if (!accepted) continue;
+      reference = reference_there;
       std::swap(q.displacement, trial_.displacement);
       g_.swap(trial_gradient_);
       return true;
     }
     return false;
-  }
-
-  double free_norm(const IncrementalPotential<S>& potential) {
-    r_ = trial_gradient_;
-    potential.system().prescribed.mask(r_);
-    return norm(r_);
   }
 
   typename Operator::template Tangent<S> tangent_;

@@ -80,6 +80,8 @@ class Mass {
 
   /// True if the matrix is diagonal.
   [[nodiscard]] bool is_lumped() const { return column_.empty(); }
+  /// Number of entries off the diagonal.
+  [[nodiscard]] std::size_t couplings() const { return column_.size(); }
   /// Diagonal of the matrix, kg: one block per point.
   [[nodiscard]] const Vector<T>& diagonal() const { return diagonal_; }
 

@@ -66,7 +66,9 @@ class AssembledTangent {
 
   /// Linearises `system` at q (and q_0, if its weight is not zero).
   void set(const S& system, const State<T>& q, const TangentWeights& weights, const State<T>* q_0 = nullptr) {
-    if (system_ != &system || stencils_ != detail::stencil_count(system)) make_pattern(system);
+    if (system_ != &system || stencils_ != detail::stencil_count(system) ||
+        mass_positions_.size() != system.mass.couplings())
+      make_pattern(system);
     matrix_.set_zero();
     detail::add_stiffness(system, q, weights.stiffness, positions_, matrix_.values());
     if (weights.lagged != 0) detail::add_stiffness(system, *q_0, weights.lagged, positions_, matrix_.values());
