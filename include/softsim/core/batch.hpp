@@ -111,6 +111,7 @@ struct Batch {
   friend Batch sqrt(const Batch& a) { return map(a, [](const auto& x) { return x.sqrt(); }); }
   friend Batch log(const Batch& a) { return map(a, [](const auto& x) { return x.log(); }); }
   friend Batch exp(const Batch& a) { return map(a, [](const auto& x) { return x.exp(); }); }
+  /// To about 3 + |p log a| units in the last place: fused multiply-adds spoil Eigen's compensation.
   friend Batch pow(const Batch& a, double p) {
     return map(a, [p](const auto& x) { return x.pow(static_cast<T>(p)); });
   }
@@ -149,9 +150,9 @@ template <class T, int N>
 
 /// Writes lane l; for a plain scalar the value itself. For set-up, not for a hot loop.
 template <class T>
-void set_lane(T& x, int, T value) { x = value; }
+void set_lane(T& x, int, std::type_identity_t<T> value) { x = value; }
 template <class T, int N>
-void set_lane(Batch<T, N>& x, int l, T value) { x.lanes[l] = value; }
+void set_lane(Batch<T, N>& x, int l, std::type_identity_t<T> value) { x.lanes[l] = value; }
 
 }  // namespace SOFTSIM_SIMD_NAMESPACE
 

@@ -15,28 +15,57 @@ inline namespace SOFTSIM_SIMD_NAMESPACE {
 namespace simd_detail {
 
 // Transposes every 4x4 group of four batches (its own inverse): lane 4g + i of batch j <-> lane 4g + j of batch i. Two
-// rounds of shuffles, which the compilers turn into unpack and permute instructions.
+// rounds of shuffles that stay within 128 bits in the first one and take halves of them whole in the second, which the
+// compilers turn into one unpack or permute instruction each.
 template <class T, int N, int... I>
 void transpose_groups(Batch<T, N> (&r)[4], std::integer_sequence<int, I...>) {
   using Register = typename Batch<T, N>::Register;
-  const Register &r0 = r[0].lanes, &r1 = r[1].lanes, &r2 = r[2].lanes, &r3 = r[3].lanes;
-  const Register a = __builtin_shufflevector(r0, r1, (I % 2 * N + I / 4 * 4 + I % 4 / 2 * 2)...);
-  const Register b = __builtin_shufflevector(r0, r1, (I % 2 * N + I / 4 * 4 + I % 4 / 2 * 2 + 1)...);
-  const Register c = __builtin_shufflevector(r2, r3, (I % 2 * N + I / 4 * 4 + I % 4 / 2 * 2)...);
-  const Register d = __builtin_shufflevector(r2, r3, (I % 2 * N + I / 4 * 4 + I % 4 / 2 * 2 + 1)...);
+  constexpr int step = sizeof(T) == 8 ? 2 : 1, odd = 3 - step;
+  const Register r0 = r[0].lanes, r1 = r[1].lanes, r2 = r[2].lanes, r3 = r[3].lanes;
+  const Register a = __builtin_shufflevector(r0, r1, (I % 2 * N + I / 4 * 4 + I % 4 / 2 * step)...);
+  const Register b = __builtin_shufflevector(r0, r1, (I % 2 * N + I / 4 * 4 + I % 4 / 2 * step + odd)...);
+  const Register c = __builtin_shufflevector(r2, r3, (I % 2 * N + I / 4 * 4 + I % 4 / 2 * step)...);
+  const Register d = __builtin_shufflevector(r2, r3, (I % 2 * N + I / 4 * 4 + I % 4 / 2 * step + odd)...);
   r[0].lanes = __builtin_shufflevector(a, c, (I % 4 / 2 * N + I / 4 * 4 + I % 2)...);
-  r[1].lanes = __builtin_shufflevector(b, d, (I % 4 / 2 * N + I / 4 * 4 + I % 2)...);
-  r[2].lanes = __builtin_shufflevector(a, c, (I % 4 / 2 * N + I / 4 * 4 + I % 2 + 2)...);
+  r[odd].lanes = __builtin_shufflevector(b, d, (I % 4 / 2 * N + I / 4 * 4 + I % 2)...);
+  r[step].lanes = __builtin_shufflevector(a, c, (I % 4 / 2 * N + I / 4 * 4 + I % 2 + 2)...);
   r[3].lanes = __builtin_shufflevector(b, d, (I % 4 / 2 * N + I / 4 * 4 + I % 2 + 2)...);
 }
 
-// Four scalars from each of N / 4 places, side by side in one batch.
+template <class T, int N, int... I>
+void concatenate(const Batch<T, N>& low, const Batch<T, N>& high, Batch<T, 2 * N>& r, std::integer_sequence<int, I...>) {
+  r.lanes = __builtin_shufflevector(low.lanes, high.lanes, I...);
+}
+
+// Four scalars from each of N / 4 places, side by side in one batch. They are put together in registers: a batch read back
+// from memory right after it was written in parts would wait until they have left the pipeline.
 template <class T, int N>
-Batch<T, N> load_groups(const T* base, const std::int32_t* ids) {
-  alignas(sizeof(T) * N) T lanes[N];
-  for (int g = 0; g < N / 4; ++g)
-    std::memcpy(lanes + 4 * g, base + block_stride * static_cast<std::ptrdiff_t>(ids[4 * g]), 4 * sizeof(T));
-  return Batch<T, N>::load(lanes);
+void load_groups(const T* base, const std::int32_t* ids, Batch<T, N>& r) {
+  if constexpr (N == 4) {
+    r = Batch<T, N>::load(base + block_stride * static_cast<std::ptrdiff_t>(ids[0]));
+  } else {
+    Batch<T, N / 2> low, high;
+    load_groups(base, ids, low);
+    load_groups(base, ids + N / 2, high);
+    concatenate(low, high, r, std::make_integer_sequence<int, N>{});
+  }
+}
+
+// Adds lanes 4g to 4g + 3 of r to the four scalars at p.
+template <int g, class T, int N>
+void add_group(const Batch<T, N>& r, T* p) {
+  Batch<T, 4> sum = Batch<T, 4>::load(p);
+  if constexpr (N == 4) {
+    sum += r;
+  } else {
+    sum.lanes += __builtin_shufflevector(r.lanes, r.lanes, 4 * g, 4 * g + 1, 4 * g + 2, 4 * g + 3);
+  }
+  sum.store(p);
+}
+
+template <class T, int N, int... L>
+void add_groups(const Batch<T, N> (&r)[4], T* base, const std::int32_t* ids, std::integer_sequence<int, L...>) {
+  (add_group<L / 4>(r[L % 4], base + block_stride * static_cast<std::ptrdiff_t>(ids[L])), ...);
 }
 
 }  // namespace simd_detail
@@ -45,16 +74,19 @@ Batch<T, N> load_groups(const T* base, const std::int32_t* ids) {
 template <int N>
 using BlockIds = std::array<std::int32_t, static_cast<std::size_t>(N)>;
 
+// Both functions are inlined by force: g++ else returns and takes the lanes through memory, in pieces of half a register,
+// and loses a third of the speed of a force.
+
 /// The blocks with the given numbers of the flat vector at `base`, component by component.
 template <class T, int N>
-[[nodiscard]] Vec3<Lanes<T, N>> gather_blocks(const T* base, const BlockIds<N>& ids) {
+[[nodiscard, gnu::always_inline]] inline Vec3<Lanes<T, N>> gather_blocks(const T* base, const BlockIds<N>& ids) {
   if constexpr (N == 1) {
     const T* p = base + block_stride * static_cast<std::ptrdiff_t>(ids[0]);
     return Vec3<T>(p[0], p[1], p[2]);
   } else {
     using B = Batch<T, N>;
     B r[4];
-    for (int i = 0; i < 4; ++i) r[i] = simd_detail::load_groups<T, N>(base, ids.data() + i);
+    for (int i = 0; i < 4; ++i) simd_detail::load_groups(base, ids.data() + i, r[i]);
     simd_detail::transpose_groups(r, std::make_integer_sequence<int, N>{});
     return Vec3<B>(r[0], r[1], r[2]);
   }
@@ -63,19 +95,20 @@ template <class T, int N>
 /// Adds lane l of v to block ids[l] of the flat vector at `base`, for the first `count` lanes, in the order of the
 /// lanes: a block may occur several times.
 template <class T, int N>
-void scatter_add_blocks(T* base, const BlockIds<N>& ids, const Vec3<Lanes<T, N>>& v, int count = N) {
+[[gnu::always_inline]] inline void scatter_add_blocks(T* base, const BlockIds<N>& ids, const Vec3<Lanes<T, N>>& v, int count = N) {
   if constexpr (N == 1) {
     T* p = base + block_stride * static_cast<std::ptrdiff_t>(ids[0]);
     for (int a = 0; a < 3; ++a) p[a] += v[a];
   } else {
-    using Four = Batch<T, 4>;
+    constexpr auto all = std::make_integer_sequence<int, N>{};
     Batch<T, N> r[4] = {v[0], v[1], v[2], Batch<T, N>(0)};
-    simd_detail::transpose_groups(r, std::make_integer_sequence<int, N>{});
-    alignas(sizeof(T) * N) T parts[4][N];
+    simd_detail::transpose_groups(r, all);
+    if (count == N) return simd_detail::add_groups(r, base, ids.data(), all);
+    T parts[4][N];
     for (int i = 0; i < 4; ++i) r[i].store(parts[i]);
     for (int l = 0; l < count; ++l) {
       T* p = base + block_stride * static_cast<std::ptrdiff_t>(ids[static_cast<std::size_t>(l)]);
-      (Four::load(p) + Four::load(parts[l % 4] + l / 4 * 4)).store(p);
+      (Batch<T, 4>::load(p) + Batch<T, 4>::load(parts[l % 4] + l / 4 * 4)).store(p);
     }
   }
 }

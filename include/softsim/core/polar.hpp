@@ -82,13 +82,13 @@ struct QuaternionEigenbasis {
 
 }  // namespace detail
 
-/// Rotation R (det R = +1, always) that maximises tr(R^T F), the nearest rotation to F: F = R S with S symmetric,
-/// indefinite where det F < 0. With F's singular values s1 >= s2 >= |s3|, s3 signed like det F, R is unique
-/// unless s2 + s3 = 0 (rank 1 or 0; two equal smallest singular values of an inverted F); its error is at most
-/// about 100 machine epsilons times s1 / (s2 + s3). Without uniqueness the result is one of the maximisers
-/// (within 128 epsilons of the largest entry of F), drawn towards the one that turns least; F = 0 gives I.
-/// Defined for every finite F and free of branches on values; R does not depend on the size of F, except that
-/// a subnormal F is drawn towards I. NaN and infinity give NaN.
+/// Rotation R (det R = +1, always) that maximises tr(R^T F), the nearest rotation to F: F = R S with S
+/// symmetric, indefinite where det F < 0. With F's singular values s1 >= s2 >= |s3|, s3 signed like det F, R
+/// is unique unless s2 + s3 = 0 (rank 1 or 0; two equal smallest singular values of an inverted F); its error
+/// is at most about 100 machine epsilons times s1 / (s2 + s3). Without uniqueness the result is one of the
+/// maximisers (within 128 epsilons of the largest entry of F), drawn towards the one that turns least; F = 0
+/// gives I. Defined for every finite F and free of branches on values; R does not depend on the size of F,
+/// except that a subnormal F is drawn towards I. NaN and infinity give NaN.
 ///
 /// Horn's quaternion form (J. Opt. Soc. Am. A 4, 1987), diagonalised by four Jacobi sweeps: unlike an
 /// eigenvector from the characteristic polynomial that also holds where the largest eigenvalue is nearly

@@ -46,11 +46,13 @@ class IncrementalPotential {
   }
 
   /// Gradient at q, prescribed components included, N. Returns the norm that residuals are measured against: of the
-  /// external load on free components or, where there is none, the largest of internal and inertial force.
+  /// external load on free components or, where there is none, the largest of inertial force, internal force and internal
+  /// force at the first call for this problem (which does not vanish on the way to rest).
   double gradient(const State<T>& q, Vector<T>& g) const {
     g.setZero(q.size());
     system_->add_gradient(q, g);
-    double internal = external_ > 0 ? 0 : norm(g);
+    if (!(external_ > 0) && initial_ < 0) initial_ = norm(g);
+    double internal = external_ > 0 ? 0 : std::max(initial_, norm(g));
     if (q_0_ != nullptr) {
       const auto& damping = system_->damping;
       difference(*q_0_, q, d_);
@@ -87,6 +89,7 @@ class IncrementalPotential {
     q_0_ = q_0;
     v_0_ = v_0;
     h_ = h;
+    initial_ = -1;
     d_.setZero(system.size());
     product_.setZero(system.size());
     if (q_0 != nullptr) system.add_external_gradient(*q_0, product_);
@@ -104,6 +107,7 @@ class IncrementalPotential {
   const State<T>* q_0_ = nullptr;
   const Vector<T>* v_0_ = nullptr;
   double h_ = 0, external_ = 0, inertia_ = 0;
+  mutable double initial_ = -1;    // internal force at the first call, negative before
   mutable Vector<T> d_, product_;  // work vectors
 };
 
