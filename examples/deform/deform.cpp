@@ -6,12 +6,16 @@
 #include <spawn.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
+#include <stdexcept>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "options.hpp"
@@ -97,12 +101,33 @@ void draw_picture(const std::string& folder) {
   std::fprintf(stderr, "deform: no picture, no Python with numpy and matplotlib was found\n");
 }
 
+/// Makes the folder of the results, without those of an earlier run.
+void prepare_folder(const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) invalid("--out " + folder + ": cannot be made (" + error.message() + ")");
+  for (const char* name : {"summary.json", "deform.pvd", "deform.png"})
+    if (std::filesystem::is_directory(folder + "/" + name)) invalid("--out " + folder + ": " + name + " is a folder there");
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    const bool frame = name.starts_with("deform_") && name.ends_with(".vtu");
+    if (frame || name == "deform.pvd" || name == "deform.png" || name == "summary.json") std::filesystem::remove(entry.path(), error);
+  }
+  if (error) invalid("--out " + folder + ": " + error.message());
+}
+
 /// Everything that depends on the law: builds the system, steps or solves it, writes what comes out.
 template <class Law>
 int run(const Options& o, const TetrahedralMesh& mesh) {
   const Parameters parameters = parameters_by_region(o, mesh);
-  std::vector<Law> laws;
-  for (const RegionParameters& p : parameters.sets) laws.push_back(Law::from_young_poisson(p.young, p.poisson));
+  std::vector<Law> laws{Law::from_young_poisson(o.parameters.young, o.parameters.poisson)};
+  for (const auto& [id, p] : o.regions) {
+    try {
+      laws.push_back(Law::from_young_poisson(p.young, p.poisson));
+    } catch (const std::invalid_argument& error) {
+      invalid("--region " + std::to_string(id) + ": " + error.what());
+    }
+  }
 
   softsim::DeadLoad<double> load = softsim::gravity(mesh, parameters.density, o.gravity);
   for (const Pull& pull : o.pulls) load.spread(softsim::nodes_near(mesh, pull.side, o.fix_depth), pull.force);
@@ -125,10 +150,15 @@ int run(const Options& o, const TetrahedralMesh& mesh) {
   softsim::SemiExplicitEuler<System> explicit_euler({.dt = o.statics ? 1 : o.dt});
 
   // Nothing is written before this line: whatever was wrong with the input has been said.
-  std::filesystem::create_directories(o.out);
+  prepare_folder(o.out);
   softsim::VtuSeries series(o.out, "deform");
   softsim::Motion<double> motion(mesh.points().size());
-  const auto write = [&] { write_state(series, mesh, system, laws, parameters.index, motion); };
+  double last_written = -1;
+  const auto write = [&] {
+    if (motion.time <= last_written) return;
+    write_state(series, mesh, system, laws, parameters.index, motion);
+    last_written = motion.time;
+  };
 
   Summary summary;
   summary.nodes = mesh.points().size();
@@ -143,7 +173,7 @@ int run(const Options& o, const TetrahedralMesh& mesh) {
 
   const int steps = o.statics ? 1 : o.steps;
   const int every = o.write_every > 0 ? o.write_every : std::max(1, steps / 50);
-  bool written = true;
+  double largest_work = 0;
   for (int k = 1; k <= steps; ++k) {
     const double start = wall_clock();
     StepReport report;
@@ -152,8 +182,19 @@ int run(const Options& o, const TetrahedralMesh& mesh) {
       motion.time = 1;  // of the series: 0 is rest, 1 is loaded
     } else {
       report = o.semi_explicit ? explicit_euler.step(system, motion) : implicit.step(system, motion);
+      if (report.status != Status::not_finite) motion.time = k * o.dt;  // free of the rounding of a long sum
     }
     const double seconds = wall_clock() - start;
+    // From rest and under dead loads no motion holds more energy than the loads have done work: an explicit step that is
+    // too large shows here long before its numbers overflow.
+    if (o.semi_explicit && !o.statics && (k % 10 == 0 || k == steps) && report.status == Status::converged) {
+      const double work = -std::get<1>(system.terms).energy(motion.q);
+      largest_work = std::max(largest_work, std::abs(work));
+      if (!(system.energy(motion.q) + system.kinetic_energy(motion.v) <= largest_work)) {
+        report.status = Status::not_converged;
+        report.reason = "energy comes out of nothing, the explicit step is too large";
+      }
+    }
     summary.seconds_solving += seconds;
     summary.steps = k;
     summary.newton_iterations += report.newton_iterations;
@@ -168,9 +209,8 @@ int run(const Options& o, const TetrahedralMesh& mesh) {
       std::printf("step %d/%d  time %.6g s  iterations %d Newton %d linear  residual %.2e  real-time factor %.3g\n", k, steps,
                   motion.time, report.newton_iterations, report.linear_iterations, report.residual, o.dt / seconds);
     std::fflush(stdout);
-    written = report.status == Status::converged && (k % every == 0 || k == steps);
-    if (written) write();
     if (report.status != Status::converged) break;
+    if (k % every == 0) write();
   }
 
   const auto elastic_energy = std::get<0>(system.terms).energy(motion.q);
@@ -180,7 +220,7 @@ int run(const Options& o, const TetrahedralMesh& mesh) {
     summary.status = Status::not_finite;
     summary.reason = "the strain energy of the last state is not finite";
   }
-  if (!written) write();  // the last state reached, converged or not, is finite and worth a look
+  write();  // the last state reached, converged or not
   for (std::ptrdiff_t i = 0; i < static_cast<std::ptrdiff_t>(summary.nodes); ++i)
     summary.max_displacement = std::max(summary.max_displacement, motion.q.point(i).norm());
   for (const softsim::ElementField& f : softsim::element_fields(mesh, laws, parameters.index, motion.q))
@@ -199,8 +239,9 @@ int run(const Options& o, const TetrahedralMesh& mesh) {
   std::fflush(stdout);
   if (o.picture) draw_picture(o.out);
   if (summary.status == Status::converged) return 0;
-  std::fprintf(stderr, "deform: %s: %s%s\n", std::string(to_string(summary.status)).c_str(), summary.reason.c_str(),
-               o.statics ? "" : (" in step " + std::to_string(summary.steps)).c_str());
+  std::fprintf(stderr, "deform: %s%s: %s (residual %.2e, tolerance %.2e)\n", std::string(to_string(summary.status)).c_str(),
+               o.statics ? "" : (" in step " + std::to_string(summary.steps)).c_str(), summary.reason.c_str(),
+               summary.residual, o.tolerance);
   return 3;
 }
 
@@ -216,9 +257,12 @@ int main(const std::vector<std::string>& arguments) {
     if (o.material == "linear") return run<softsim::LinearElastic>(o, mesh);
     if (o.material == "neo-hookean") return run<softsim::NeoHookean>(o, mesh);
     return run<softsim::StableNeoHookean>(o, mesh);
-  } catch (const std::exception& error) {
+  } catch (const std::invalid_argument& error) {
     std::fprintf(stderr, "deform: %s\n", error.what());
     return 2;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "deform: %s\n", error.what());
+    return 1;
   }
 }
 

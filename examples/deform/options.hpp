@@ -29,7 +29,8 @@ inline constexpr const char* help =
     "  MESH                     .msh (Gmsh ASCII 1, 2, 4.1), .vtk (legacy ASCII) or .vtu (ASCII); coordinates in metres.\n"
     "                           Without it the shipped organ is held, weighed down and pulled; --material, --young,\n"
     "                           --poisson, --density and --fix are required with it.\n"
-    "  --static                 static equilibrium under the full load at once (the default with MESH)\n"
+    "  --static                 static equilibrium under the full load at once, by Newton's method (the default with\n"
+    "                           MESH); mass, integrator and damping do not matter then\n"
     "  --steps N --dt S         N time steps of S seconds from rest\n"
     "  --material LAW           svk, neo-hookean, stable-neo-hookean or linear\n"
     "  --young E                Young's modulus, Pa\n"
@@ -54,7 +55,8 @@ inline constexpr const char* help =
     "  --help                   this text\n"
     "\n"
     "Results in DIR: deform.pvd and deform_*.vtu for ParaView, deform.png, summary.json.\n"
-    "Exit code: 0 converged, 2 bad input (nothing is written), 3 a step did not converge or is not finite.\n";
+    "Exit code: 0 converged; 1 the results cannot be written; 2 bad input, nothing is written; 3 a step did not converge,\n"
+    "is not finite, or makes energy out of nothing: what was written until then stays readable.\n";
 
 /// Elastic parameters of one region.
 struct RegionParameters {
@@ -95,46 +97,64 @@ inline std::vector<std::string_view> split(std::string_view text, char separator
   }
 }
 
-/// The whole of `text` as a number. @throws std::invalid_argument naming the option
+/// An option and the whole of its value, for the messages about a part of it.
+struct Argument {
+  std::string name, text;
+
+  [[noreturn]] void refuse(const std::string& why) const { invalid(name + " " + text + ": " + why); }
+};
+
+/// The whole of `part` as a number.
 template <class Number>
-Number number(std::string_view option, std::string_view text) {
+Number number(const Argument& argument, std::string_view part) {
+  if (part.size() > 1 && part[0] == '+' && part[1] != '-') part.remove_prefix(1);
   Number value{};
-  const char* end = text.data() + text.size();
-  const auto [last, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc{} || last != end || text.empty())
-    invalid(std::string(option) + " " + std::string(text) + ": not " +
-            (std::is_integral_v<Number> ? "a whole number" : "a number"));
+  const char* end = part.data() + part.size();
+  const auto [last, error] = std::from_chars(part.data(), end, value);
+  const std::string quoted_part = "'" + std::string(part) + "'";
+  if (error == std::errc::result_out_of_range && last == end) argument.refuse(quoted_part + " is out of range");
+  if (error != std::errc{} || last != end)
+    argument.refuse(quoted_part + " is not " + (std::is_integral_v<Number> ? "a whole number" : "a number"));
   if constexpr (std::is_floating_point_v<Number>)
-    if (!std::isfinite(value)) invalid(std::string(option) + " " + std::string(text) + ": must be finite");
+    if (!std::isfinite(value)) argument.refuse("must be finite");
   return value;
 }
+template <class Number>
+Number number(const Argument& argument) { return number<Number>(argument, argument.text); }
 
-/// `count` numbers with commas between them.
-inline std::vector<double> numbers(std::string_view option, std::string_view text, std::size_t least, std::size_t most) {
+/// Numbers with commas between them.
+inline std::vector<double> numbers(const Argument& argument, std::string_view part, std::size_t least, std::size_t most) {
   std::vector<double> values;
-  for (const std::string_view part : split(text, ',')) values.push_back(number<double>(option, part));
+  for (const std::string_view piece : split(part, ',')) values.push_back(number<double>(argument, piece));
   if (values.size() < least || values.size() > most)
-    invalid(std::string(option) + " " + std::string(text) + ": needs " + std::to_string(least) +
-            (most > least ? " or " + std::to_string(most) : "") + " numbers with commas between them");
+    argument.refuse("needs " + std::to_string(least) + (most > least ? " or " + std::to_string(most) : "") +
+                    " numbers with commas between them");
   return values;
 }
 
-inline Vec3<double> vector(std::string_view option, std::string_view text) {
-  const std::vector<double> v = numbers(option, text, 3, 3);
+inline Vec3<double> vector(const Argument& argument, std::string_view part) {
+  const std::vector<double> v = numbers(argument, part, 3, 3);
   return {v[0], v[1], v[2]};
 }
 
-inline Side side(std::string_view option, std::string_view text) {
-  const auto found = softsim::parse_side(text);
-  if (!found) invalid(std::string(option) + " " + std::string(text) + ": must be one of xmin, xmax, ymin, ymax, zmin, zmax");
+inline Side side(const Argument& argument, std::string_view part) {
+  const auto found = softsim::parse_side(part);
+  if (!found) argument.refuse("the side must be one of xmin, xmax, ymin, ymax, zmin, zmax");
   return *found;
 }
 
-/// One of two words.
-inline bool is_second(std::string_view option, std::string_view text, std::string_view first, std::string_view second) {
-  if (text != first && text != second)
-    invalid(std::string(option) + " " + std::string(text) + ": must be " + std::string(first) + " or " + std::string(second));
-  return text == second;
+/// The parts before and after the colon.
+inline std::pair<std::string_view, std::string_view> at_colon(const Argument& argument, const char* form) {
+  const std::string_view text = argument.text;
+  const std::size_t colon = text.find(':');
+  if (colon == std::string_view::npos) argument.refuse(std::string("must be ") + form);
+  return {text.substr(0, colon), text.substr(colon + 1)};
+}
+
+/// Which of two words.
+inline bool is_second(const Argument& argument, const std::string& first, const std::string& second) {
+  if (argument.text != first && argument.text != second) argument.refuse("must be " + first + " or " + second);
+  return argument.text == second;
 }
 
 /// The shipped organ, held at its bottom, under its weight, pulled up and out at the tip of its left lobe; used for what
@@ -155,107 +175,120 @@ inline Options organ_defaults() {
   return o;
 }
 
-/// Reads the command line. @throws std::invalid_argument with one sentence
-inline Options parse(const std::vector<std::string>& arguments) {
-  Options o;
-  std::map<std::string, bool> given;
-  std::vector<std::string> positional;
-  std::vector<std::pair<std::string, std::string>> named;
-  const std::map<std::string, bool> takes_value{
+/// Names of all options; true for those that take a value.
+inline const std::map<std::string, bool>& option_names() {
+  static const std::map<std::string, bool> names{
       {"--static", false}, {"--steps", true}, {"--dt", true}, {"--material", true}, {"--young", true},
       {"--poisson", true}, {"--density", true}, {"--region", true}, {"--cell-array", true}, {"--fix", true},
       {"--fix-depth", true}, {"--gravity", true}, {"--pull", true}, {"--mass", true}, {"--integrator", true},
       {"--newton", false}, {"--rayleigh", true}, {"--tolerance", true}, {"--scale", true}, {"--write-every", true},
       {"--out", true}, {"--no-picture", false}, {"--help", false}, {"-h", false}};
-  for (std::size_t i = 0; i < arguments.size(); ++i) {
-    std::string name = arguments[i];
-    if (name.empty() || name[0] != '-') {
-      positional.push_back(name);
+  return names;
+}
+
+/// Splits the command line into the names of meshes and the options with their values.
+inline std::pair<std::vector<std::string>, std::vector<Argument>> tokens(const std::vector<std::string>& words) {
+  std::vector<std::string> meshes;
+  std::vector<Argument> named;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (words[i].empty() || words[i][0] != '-') {
+      meshes.push_back(words[i]);
       continue;
     }
-    std::string value;
-    const std::size_t equals = name.find('=');
-    if (equals != std::string::npos) {
-      value = name.substr(equals + 1);
-      name.resize(equals);
-    }
-    const auto known = takes_value.find(name);
-    if (known == takes_value.end()) invalid(name + ": unknown option (--help lists them)");
-    if (!known->second && equals != std::string::npos) invalid(name + ": takes no value");
-    if (known->second && equals == std::string::npos) {
-      if (i + 1 == arguments.size()) invalid(name + ": needs a value");
-      value = arguments[++i];  // may start with a minus sign
-    }
-    given[name] = true;
-    named.emplace_back(name, value);
+    const std::size_t equals = words[i].find('=');
+    Argument argument{words[i].substr(0, equals), ""};
+    const auto known = option_names().find(argument.name);
+    if (known == option_names().end()) invalid(argument.name + ": unknown option (--help lists them)");
+    if (equals != std::string::npos) argument.text = words[i].substr(equals + 1);
+    else if (known->second && i + 1 < words.size() && option_names().count(words[i + 1]) == 0) argument.text = words[++i];
+    if (known->second && argument.text.empty()) invalid(argument.name + ": needs a value");
+    if (!known->second && equals != std::string::npos) invalid(argument.name + ": takes no value");
+    named.push_back(argument);
   }
-  if (given.count("--help") + given.count("-h") > 0) {
-    o.show_help = true;
-    return o;
-  }
-  if (positional.size() > 1) invalid(positional[1] + ": only one mesh can be given (" + positional[0] + " is the first)");
-  if (positional.empty()) o = organ_defaults();
-  else if (positional[0].empty()) invalid("the mesh file's name is empty");
-  else o.mesh = positional[0];
-  if (given.count("--fix") > 0) o.fix.clear();
-  if (given.count("--pull") > 0) o.pulls.clear();
-  if (given.count("--integrator") > 0 && given.count("--newton") == 0) o.newton = false;
+  return {meshes, named};
+}
 
-  for (const auto& [name, text] : named) {
-    if (name == "--static") o.statics = true;
-    else if (name == "--newton") o.newton = true;
-    else if (name == "--no-picture") o.picture = false;
-    else if (name == "--steps") o.steps = number<int>(name, text);
-    else if (name == "--dt") o.dt = number<double>(name, text);
-    else if (name == "--material") o.material = text;
-    else if (name == "--young") o.parameters.young = number<double>(name, text);
-    else if (name == "--poisson") o.parameters.poisson = number<double>(name, text);
-    else if (name == "--density") o.parameters.density = number<double>(name, text);
-    else if (name == "--cell-array") o.cell_array = text;
-    else if (name == "--fix") o.fix.push_back(side(name, text));
-    else if (name == "--fix-depth") o.fix_depth = number<double>(name, text);
-    else if (name == "--gravity") o.gravity = vector(name, text);
-    else if (name == "--mass") o.consistent_mass = is_second(name, text, "lumped", "consistent");
-    else if (name == "--integrator") o.semi_explicit = is_second(name, text, "backward-euler", "semi-explicit");
-    else if (name == "--tolerance") o.tolerance = number<double>(name, text);
-    else if (name == "--scale") o.scale = number<double>(name, text);
-    else if (name == "--write-every") o.write_every = number<int>(name, text);
-    else if (name == "--out") o.out = text;
-    else if (name == "--rayleigh") {
-      const std::vector<double> v = numbers(name, text, 2, 2);
-      o.alpha = v[0];
-      o.beta = v[1];
-    } else if (name == "--pull") {
-      const std::size_t colon = text.find(':');
-      if (colon == std::string::npos) invalid("--pull " + text + ": must be SIDE:FX,FY,FZ");
-      o.pulls.push_back({side(name, std::string_view(text).substr(0, colon)), vector(name, std::string_view(text).substr(colon + 1))});
-    }
+/// Puts one option into place.
+inline void apply(const Argument& argument, Options& o) {
+  const auto& [name, text] = argument;
+  if (name == "--static") o.statics = true;
+  else if (name == "--newton") o.newton = true;
+  else if (name == "--no-picture") o.picture = false;
+  else if (name == "--steps") o.steps = number<int>(argument);
+  else if (name == "--dt") o.dt = number<double>(argument);
+  else if (name == "--material") o.material = text;
+  else if (name == "--young") o.parameters.young = number<double>(argument);
+  else if (name == "--poisson") o.parameters.poisson = number<double>(argument);
+  else if (name == "--density") o.parameters.density = number<double>(argument);
+  else if (name == "--cell-array") o.cell_array = text;
+  else if (name == "--fix") o.fix.push_back(side(argument, text));
+  else if (name == "--fix-depth") o.fix_depth = number<double>(argument);
+  else if (name == "--gravity") o.gravity = vector(argument, text);
+  else if (name == "--mass") o.consistent_mass = is_second(argument, "lumped", "consistent");
+  else if (name == "--integrator") o.semi_explicit = is_second(argument, "backward-euler", "semi-explicit");
+  else if (name == "--tolerance") o.tolerance = number<double>(argument);
+  else if (name == "--scale") o.scale = number<double>(argument);
+  else if (name == "--write-every") o.write_every = number<int>(argument);
+  else if (name == "--out") o.out = text;
+  else if (name == "--rayleigh") {
+    const std::vector<double> v = numbers(argument, text, 2, 2);
+    o.alpha = v[0];
+    o.beta = v[1];
+  } else if (name == "--pull") {
+    const auto [where, force] = at_colon(argument, "SIDE:FX,FY,FZ");
+    o.pulls.push_back({side(argument, where), vector(argument, force)});
+  } else if (name == "--region") {
+    const auto [id, values] = at_colon(argument, "ID:E,NU or ID:E,NU,RHO");
+    const std::vector<double> v = numbers(argument, values, 2, 3);
+    const auto [place, is_new] = o.regions.emplace(number<int>(argument, id), RegionParameters{v[0], v[1], v.size() == 3 ? v[2] : 0});
+    if (!is_new) argument.refuse("this region was given before");
   }
-  const bool dynamic = given.count("--steps") + given.count("--dt") > 0;
-  if (given.count("--static") > 0 && dynamic) invalid("--static and --steps/--dt exclude each other");
-  if (dynamic && !o.mesh.empty() && (given.count("--steps") == 0 || given.count("--dt") == 0))
-    invalid("--steps and --dt must be given together");
-  if (dynamic) o.statics = false;
+}
 
-  if (!o.mesh.empty())
+/// Reads the command line. @throws std::invalid_argument with one sentence
+inline Options parse(const std::vector<std::string>& words) {
+  const auto [meshes, named] = tokens(words);
+  std::map<std::string, int> given;
+  for (const Argument& argument : named) ++given[argument.name];
+  const auto has = [&](const char* name) { return given.count(name) > 0; };
+
+  Options o;
+  o.show_help = has("--help") || has("-h");
+  if (o.show_help) return o;
+  if (meshes.size() > 1) invalid(meshes[1] + ": only one mesh can be given (" + meshes[0] + " is the first)");
+  if (meshes.empty()) {
+    o = organ_defaults();
+    if (has("--fix")) o.fix.clear();
+    if (has("--pull")) o.pulls.clear();
+    if (has("--integrator")) o.newton = false;
+  } else {
+    o.mesh = meshes[0];
+    if (o.mesh.empty()) invalid("the mesh file's name is empty");
     for (const char* required : {"--material", "--young", "--poisson", "--density", "--fix"})
-      if (given.count(required) == 0) invalid(std::string(required) + ": required when a mesh is given");
-  for (const auto& [name, text] : named)
-    if (name == "--region") {
-      const std::size_t colon = text.find(':');
-      if (colon == std::string::npos) invalid("--region " + text + ": must be ID:E,NU or ID:E,NU,RHO");
-      const std::vector<double> v = numbers(name, std::string_view(text).substr(colon + 1), 2, 3);
-      o.regions[number<int>(name, std::string_view(text).substr(0, colon))] = {v[0], v[1], v.size() == 3 ? v[2] : o.parameters.density};
-    }
+      if (!has(required)) invalid(std::string(required) + ": required when a mesh is given");
+    if (has("--steps") != has("--dt")) invalid("--steps and --dt must be given together");
+  }
+  for (const Argument& argument : named) apply(argument, o);
+  if (has("--steps") || has("--dt")) {
+    if (has("--static")) invalid("--static and --steps/--dt exclude each other");
+    o.statics = false;
+  }
+
+  for (auto& [id, region] : o.regions)
+    if (region.density == 0) region.density = o.parameters.density;
   if (o.material != "svk" && o.material != "neo-hookean" && o.material != "stable-neo-hookean" && o.material != "linear")
     invalid("--material " + o.material + ": must be svk, neo-hookean, stable-neo-hookean or linear");
-  if (!o.statics && o.steps < 1) invalid("--steps " + std::to_string(o.steps) + ": must be at least 1");
-  if (!o.statics && !(o.dt > 0)) invalid("--dt " + softsim::to_text(o.dt) + " s: must be positive");
-  if (!(o.tolerance > 0 && o.tolerance < 1)) invalid("--tolerance " + softsim::to_text(o.tolerance) + ": must lie in (0, 1)");
-  if (!(o.scale > 0)) invalid("--scale " + softsim::to_text(o.scale) + ": must be positive");
-  if (!(o.alpha >= 0 && o.beta >= 0)) invalid("--rayleigh " + softsim::to_text(o.alpha) + "," + softsim::to_text(o.beta) + ": must not be negative");
-  if (given.count("--write-every") > 0 && o.write_every < 1)
-    invalid("--write-every " + std::to_string(o.write_every) + ": must be at least 1");
+  const auto check = [](bool good, const std::string& what, double value, const std::string& why) {
+    if (!good) invalid(what + " " + softsim::to_text(value) + ": " + why);
+  };
+  check(o.statics || o.steps >= 1, "--steps", o.steps, "must be at least 1");
+  check(o.statics || o.dt > 0, "--dt", o.dt, "must be positive");
+  check(o.tolerance > 0 && o.tolerance < 1, "--tolerance", o.tolerance, "must lie in (0, 1)");
+  check(o.scale > 0, "--scale", o.scale, "must be positive");
+  check(o.alpha >= 0, "--rayleigh: A", o.alpha, "must not be negative");
+  check(o.beta >= 0, "--rayleigh: B", o.beta, "must not be negative");
+  check(!has("--write-every") || o.write_every >= 1, "--write-every", o.write_every, "must be at least 1");
+  check(o.fix_depth >= 0 && o.fix_depth <= 1, "--fix-depth", o.fix_depth, "must lie in [0, 1]");
   if (o.newton && o.semi_explicit) invalid("--newton: only backward-euler solves for its step");
   if (o.out.empty()) {
     const std::string name = o.mesh.empty() ? "organ" : o.mesh.substr(o.mesh.find_last_of('/') + 1);

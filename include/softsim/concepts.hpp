@@ -4,6 +4,7 @@
 
 #include <array>
 #include <concepts>
+#include <type_traits>
 
 #include "softsim/core/state.hpp"
 #include "softsim/core/tensor.hpp"
@@ -16,9 +17,15 @@ namespace softsim {
 
 // ---------------------------------------------------------------- materials
 
-/// Invariants of C = F^T F, and J = det F: I1 = tr C, I2 = (I1^2 - tr C^2)/2.
+/// Invariants of C = F^T F, and J = det F: I1 = tr C, I2 = (I1^2 - tr C^2)/2. An energy is best written in their distances
+/// from rest, which come to it with the digits that a subtraction would lose at small strain.
 template <class T>
-struct Invariants { T i1, i2, j; };
+struct Invariants {
+  T i1, i2, j;
+  T k1 = i1 - T(3);  ///< I1 - 3
+  T k2 = i2 - T(3);  ///< I2 - 3
+  T kj = j - T(1);   ///< J - 1
+};
 /// First derivatives of w(I1, I2, J).
 template <class T>
 struct First { T w1, w2, wj; };
@@ -45,6 +52,9 @@ concept Material = requires(const M& m, const Mat3<T>& F, const Mat3<T>& dF) {
   { m.energy_density(F) } -> std::convertible_to<T>;
   { m.first_piola(F) } -> std::convertible_to<Mat3<T>>;
   { m.first_piola_differential(F, dF) } -> std::convertible_to<Mat3<T>>;
+  // Eigen lets any matrix claim to convert to any other: the scalar has to be asked for.
+  requires std::same_as<typename std::remove_cvref_t<decltype(m.first_piola(F))>::Scalar, T>;
+  requires std::same_as<typename std::remove_cvref_t<decltype(m.first_piola_differential(F, dF))>::Scalar, T>;
 };
 
 // ---------------------------------------------------------------- stencils

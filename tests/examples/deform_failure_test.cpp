@@ -75,7 +75,8 @@ const BadInput bad_inputs[] = {
     {"nan_coordinate", "nan.msh" + all, {"nan.msh, line 8", "nan"}},
     {"node_out_of_range", "range.msh" + all, {"range.msh, line 13", "9"}},
     {"node_repeated", "repeated.msh" + all, {"repeated.msh, line 13", "3"}},
-    {"inverted_tetrahedron", "inverted.msh" + all, {"inverted.msh, line 13", "tetrahedron 0", "-0.166666667"}},
+    {"inverted_tetrahedron", "inverted.msh" + all,
+     {"inverted.msh, line 13", "tetrahedron 0", "-0.166666667"}},
     {"flat_tetrahedron", "flat.msh" + all, {"flat.msh, line 13", "tetrahedron 0", "volume 0"}},
     {"no_tetrahedra", "triangle.msh" + all, {"triangle.msh", "no tetrahedra"}},
     {"unknown_ending", "other.stl" + all, {"other.stl", ".vtu"}},
@@ -120,7 +121,8 @@ const BadInput bad_inputs[] = {
     {"steps_without_dt", organ + " --steps 3", {"--dt"}},
     {"dt_without_steps", organ + " --dt 0.01", {"--steps"}},
     {"static_with_steps", organ + " --static --steps 3 --dt 0.01", {"--static", "--steps"}},
-    {"newton_with_semi_explicit", organ + " --steps 3 --dt 1e-4 --newton --integrator semi-explicit", {"--newton"}},
+    {"newton_with_semi_explicit", organ + " --steps 3 --dt 1e-4 --newton --integrator semi-explicit",
+     {"--newton"}},
 
     {"unknown_option", organ + " --bogus", {"--bogus"}},
     {"unknown_option_with_value", organ + " --bogus=3", {"--bogus"}},
@@ -132,7 +134,8 @@ const BadInput bad_inputs[] = {
 
     {"held_at_one_node", organ + " --static --fix-depth 0", {"--fix took 1 node", "three"}},
     {"held_along_a_line", "line.msh" + all + " --static", {"--fix took 3 nodes", "line"}},
-    {"a_piece_not_held", "two_pieces.msh --material svk --young 1e4 --poisson 0.4 --density 1000 --static --fix xmin",
+    {"a_piece_not_held",
+     "two_pieces.msh --material svk --young 1e4 --poisson 0.4 --density 1000 --static --fix xmin",
      {"--fix took 3 nodes", "piece 1"}},
 };
 // clang-format on

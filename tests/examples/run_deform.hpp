@@ -81,7 +81,8 @@ class Deform {
 /// if the text is no such object or a key is repeated.
 inline std::map<std::string, std::string> flat_json(const std::string& text) {
   static const std::regex entry(
-      R"re(\s*"([^"\\]*)"\s*:\s*("([^"\\]|\\["\\/bfnrt])*"|null|-?(0|[1-9]\d*)(\.\d+)?([eE][+-]?\d+)?)\s*([,}]))re");
+      R"re(\s*"([^"\\]*)"\s*:\s*)re"
+      R"re(("([^"\\]|\\["\\/bfnrt])*"|null|-?(0|[1-9]\d*)(\.\d+)?([eE][+-]?\d+)?)\s*([,}]))re");
   std::map<std::string, std::string> entries;
   std::smatch found;
   auto at = text.cbegin();

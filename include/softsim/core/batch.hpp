@@ -110,6 +110,7 @@ struct Batch {
   friend Batch max(const Batch& a, const Batch& b) { return select(a < b, b, a); }
   friend Batch sqrt(const Batch& a) { return map(a, [](const auto& x) { return x.sqrt(); }); }
   friend Batch log(const Batch& a) { return map(a, [](const auto& x) { return x.log(); }); }
+  friend Batch log1p(const Batch& a) { return map(a, [](const auto& x) { return x.log1p(); }); }
   friend Batch exp(const Batch& a) { return map(a, [](const auto& x) { return x.exp(); }); }
   /// To about 3 + |p log a| units in the last place: fused multiply-adds spoil Eigen's compensation.
   friend Batch pow(const Batch& a, double p) {

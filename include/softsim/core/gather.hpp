@@ -14,11 +14,14 @@ namespace softsim {
 inline namespace SOFTSIM_SIMD_NAMESPACE {
 namespace simd_detail {
 
-// Transposes every 4x4 group of four batches (its own inverse): lane 4g + i of batch j <-> lane 4g + j of batch i. Two
-// rounds of shuffles that stay within 128 bits in the first one and take halves of them whole in the second, which the
+// Everything here is inlined by force: g++ else hands the lanes over through memory, in pieces of half a
+// register, which makes a force a third slower.
+
+// Transposes every 4x4 group of four batches (its own inverse): lane 4g + i of batch j <-> lane 4g + j of
+// batch i. Two rounds of shuffles, the first within each 128 bits and the second of pairs of lanes, which the
 // compilers turn into one unpack or permute instruction each.
 template <class T, int N, int... I>
-void transpose_groups(Batch<T, N> (&r)[4], std::integer_sequence<int, I...>) {
+[[gnu::always_inline]] inline void transpose_groups(Batch<T, N> (&r)[4], std::integer_sequence<int, I...>) {
   using Register = typename Batch<T, N>::Register;
   constexpr int step = sizeof(T) == 8 ? 2 : 1, odd = 3 - step;
   const Register r0 = r[0].lanes, r1 = r[1].lanes, r2 = r[2].lanes, r3 = r[3].lanes;
@@ -33,14 +36,15 @@ void transpose_groups(Batch<T, N> (&r)[4], std::integer_sequence<int, I...>) {
 }
 
 template <class T, int N, int... I>
-void concatenate(const Batch<T, N>& low, const Batch<T, N>& high, Batch<T, 2 * N>& r, std::integer_sequence<int, I...>) {
+[[gnu::always_inline]] inline void concatenate(const Batch<T, N>& low, const Batch<T, N>& high,
+                                               Batch<T, 2 * N>& r, std::integer_sequence<int, I...>) {
   r.lanes = __builtin_shufflevector(low.lanes, high.lanes, I...);
 }
 
-// Four scalars from each of N / 4 places, side by side in one batch. They are put together in registers: a batch read back
-// from memory right after it was written in parts would wait until they have left the pipeline.
+// Four scalars from each of N / 4 places, side by side in one batch. They are put together in registers: a batch
+// read from memory right after it was written there in parts has to wait for the writes.
 template <class T, int N>
-void load_groups(const T* base, const std::int32_t* ids, Batch<T, N>& r) {
+[[gnu::always_inline]] inline void load_groups(const T* base, const std::int32_t* ids, Batch<T, N>& r) {
   if constexpr (N == 4) {
     r = Batch<T, N>::load(base + block_stride * static_cast<std::ptrdiff_t>(ids[0]));
   } else {
@@ -53,7 +57,7 @@ void load_groups(const T* base, const std::int32_t* ids, Batch<T, N>& r) {
 
 // Adds lanes 4g to 4g + 3 of r to the four scalars at p.
 template <int g, class T, int N>
-void add_group(const Batch<T, N>& r, T* p) {
+[[gnu::always_inline]] inline void add_group(const Batch<T, N>& r, T* p) {
   Batch<T, 4> sum = Batch<T, 4>::load(p);
   if constexpr (N == 4) {
     sum += r;
@@ -64,7 +68,8 @@ void add_group(const Batch<T, N>& r, T* p) {
 }
 
 template <class T, int N, int... L>
-void add_groups(const Batch<T, N> (&r)[4], T* base, const std::int32_t* ids, std::integer_sequence<int, L...>) {
+[[gnu::always_inline]] inline void add_groups(const Batch<T, N> (&r)[4], T* base, const std::int32_t* ids,
+                                              std::integer_sequence<int, L...>) {
   (add_group<L / 4>(r[L % 4], base + block_stride * static_cast<std::ptrdiff_t>(ids[L])), ...);
 }
 
@@ -74,12 +79,10 @@ void add_groups(const Batch<T, N> (&r)[4], T* base, const std::int32_t* ids, std
 template <int N>
 using BlockIds = std::array<std::int32_t, static_cast<std::size_t>(N)>;
 
-// Both functions are inlined by force: g++ else returns and takes the lanes through memory, in pieces of half a register,
-// and loses a third of the speed of a force.
-
 /// The blocks with the given numbers of the flat vector at `base`, component by component.
 template <class T, int N>
-[[nodiscard, gnu::always_inline]] inline Vec3<Lanes<T, N>> gather_blocks(const T* base, const BlockIds<N>& ids) {
+[[nodiscard, gnu::always_inline]] inline Vec3<Lanes<T, N>> gather_blocks(const T* base,
+                                                                         const BlockIds<N>& ids) {
   if constexpr (N == 1) {
     const T* p = base + block_stride * static_cast<std::ptrdiff_t>(ids[0]);
     return Vec3<T>(p[0], p[1], p[2]);
@@ -92,10 +95,11 @@ template <class T, int N>
   }
 }
 
-/// Adds lane l of v to block ids[l] of the flat vector at `base`, for the first `count` lanes, in the order of the
-/// lanes: a block may occur several times.
+/// Adds lane l of v to block ids[l] of the flat vector at `base`, for the first `count` lanes, in the order of
+/// the lanes: a block may occur several times.
 template <class T, int N>
-[[gnu::always_inline]] inline void scatter_add_blocks(T* base, const BlockIds<N>& ids, const Vec3<Lanes<T, N>>& v, int count = N) {
+[[gnu::always_inline]] inline void scatter_add_blocks(T* base, const BlockIds<N>& ids,
+                                                      const Vec3<Lanes<T, N>>& v, int count = N) {
   if constexpr (N == 1) {
     T* p = base + block_stride * static_cast<std::ptrdiff_t>(ids[0]);
     for (int a = 0; a < 3; ++a) p[a] += v[a];

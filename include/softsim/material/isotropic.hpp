@@ -22,9 +22,19 @@ class Isotropic {
   template <class Derived>
   [[nodiscard]] auto energy_density(const Eigen::MatrixBase<Derived>& F_) const {
     using T = typename Derived::Scalar;
-    const Mat3<T>& F = F_.derived();
-    const Mat3<T> C = F.transpose() * F;
-    return law().density(invariants(F, C));
+    // From H = F - I, so that small strains keep their digits: C - I = B, tr B = I1 - 3.
+    const Mat3<T> H = F_ - Mat3<T>::Identity();
+    const T t = trace(H), k1 = T(2) * t + double_dot(H, H);
+    T k2(0), kj(0);
+    if constexpr (Law::depends_on_i2) {
+      const Mat3<T> B = H + H.transpose() + H.transpose() * H;
+      k2 = T(2) * k1 + T(0.5) * (k1 * k1 - double_dot(B, B));
+    }
+    if constexpr (Law::depends_on_j) {
+      const Mat3<T> Ht = H.transpose();
+      kj = t + T(0.5) * (t * t - double_dot(H, Ht)) + determinant(H);
+    }
+    return law().density(Invariants<T>{T(3) + k1, T(3) + k2, T(1) + kj, k1, k2, kj});
   }
 
   /// P = 2 (w1 + I1 w2) F - 2 w2 F C + wJ cof F, Pa.
@@ -114,8 +124,6 @@ class Isotropic {
   }
 
  private:
-  friend Law;
-  Isotropic() = default;
   [[nodiscard]] const Law& law() const { return static_cast<const Law&>(*this); }
 
   template <class T>

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cmath>
+
 #include "softsim/core/error.hpp"
 
 namespace softsim {
@@ -26,7 +28,10 @@ struct Lame {
   [[nodiscard]] static Lame from_young_poisson(double E, double nu) {
     if (!(E > 0) || !(E <= 1e300)) invalid("young " + to_text(E) + " Pa: must be positive and finite");
     if (!(nu > -1 && nu < 0.5)) invalid("poisson_ratio " + to_text(nu) + ": must lie in (-1, 0.5)");
-    return {E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu))};
+    const Lame lame{E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu))};
+    if (!(std::abs(lame.lambda) <= 1e300 && lame.mu <= 1e300))
+      invalid("young " + to_text(E) + " Pa, poisson_ratio " + to_text(nu) + ": lambda or mu is too large");
+    return lame;
   }
 };
 

@@ -17,8 +17,7 @@ class StableNeoHookean : public Isotropic<StableNeoHookean>, public LameLaw<Stab
   /// w, J/m^3.
   template <class T>
   [[nodiscard]] T density(const Invariants<T>& i) const {
-    const T k = i.j - T(1);
-    return T(mu() / 2) * (i.i1 - T(3)) + (T((lambda() + mu()) / 2) * k - T(mu())) * k;
+    return T(mu() / 2) * i.k1 + (T((lambda() + mu()) / 2) * i.kj - T(mu())) * i.kj;
   }
   /// First derivatives of w, Pa.
   template <class T>

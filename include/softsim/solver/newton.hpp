@@ -126,15 +126,15 @@ class Newton {
       trial_ = q;
       retract(trial_, x_, step);
       bool accepted = prescribed_moves;
-      double after = 0;
       if constexpr (S::conservative) {
-        after = potential.value(trial_);
+        const double after = potential.value(trial_);
         if (!std::isfinite(after)) continue;
         if (!accepted && slope < 0) accepted = after <= before + 1e-4 * static_cast<double>(step) * slope;
-        // Values that differ by rounding only cannot be compared; the gradient then decides (after Hager & Zhang 2005).
-        const double noise = 100 * static_cast<double>(std::numeric_limits<T>::epsilon()) *
-                             std::max(std::abs(before), std::abs(after));
-        if (!accepted && after > before + noise) continue;
+        // A decrease too small for the values to show is left to the gradient (after Hager & Zhang 2005).
+        const bool visible = static_cast<double>(step) * std::abs(slope) >
+                             std::sqrt(static_cast<double>(std::numeric_limits<T>::epsilon())) *
+                                 std::max(std::abs(before), std::abs(after));
+        if (!accepted && visible) continue;
       }
       const double reference_there = potential.gradient(trial_, trial_gradient_);
       r_ = trial_gradient_;

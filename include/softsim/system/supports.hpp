@@ -4,6 +4,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <numeric>
@@ -66,10 +67,14 @@ void require_supports(const S& system) {
     if (root(i) != i) continue;
     const Piece& piece = pieces[i];
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> eigen(piece.gram, Eigen::EigenvaluesOnly);
+    const auto coordinate = [&](int axis) {
+      const double x = piece.centre[axis];
+      return to_text(std::abs(x) < 1e-9 * piece.radius ? 0 : x);
+    };
     // Nodes a thousandth of the piece's size out of line count as in line.
     if (!(eigen.eigenvalues()[0] > 1e-8))
       invalid("static solve: piece " + std::to_string(number) + " (" + std::to_string(piece.nodes) + " nodes, around " +
-              to_text(piece.centre[0]) + ", " + to_text(piece.centre[1]) + ", " + to_text(piece.centre[2]) +
+              coordinate(0) + ", " + coordinate(1) + ", " + coordinate(2) +
               ") is free to move: " + std::to_string(piece.held) + " of its nodes " + (piece.held == 1 ? "is" : "are") +
               " held, and at least three that are not in line are needed");
     ++number;
