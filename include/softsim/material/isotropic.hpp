@@ -31,8 +31,8 @@ class Isotropic {
       k2 = T(2) * k1 + T(0.5) * (k1 * k1 - double_dot(B, B));
     }
     if constexpr (Law::depends_on_j) {
-      const Mat3<T> Ht = H.transpose();
-      kj = t + T(0.5) * (t * t - double_dot(H, Ht)) + determinant(H);
+      const Mat3<T> c = cofactor(H);
+      kj = t + trace(c) + H.col(0).dot(c.col(0));
     }
     return law().density(Invariants<T>{T(3) + k1, T(3) + k2, T(1) + kj, k1, k2, kj});
   }
