@@ -18,7 +18,8 @@
 
 #include "softsim/softsim.hpp"
 
-// What all benchmarks share: names, laws, sizes, meshes, the deformed state, the clock and the check of results.
+// What all benchmarks share: names, laws, sizes, meshes, the deformed state, the clock and the check of
+// results.
 
 namespace bench {
 
@@ -76,8 +77,8 @@ void for_each_kind_and_size(Function f) {
 /// Registers f(state) as what/law/route/scalar/size. Nothing is made before it runs.
 template <class K, class Function>
 void add(const std::string& what, K, const std::string& route, int n, Function f) {
-  const std::string name = what + "/" + law_name<typename K::Law> + "/" + route + "/" + scalar_name<typename K::T> + "/" +
-                           std::to_string(tetrahedra(n));
+  const std::string name = what + "/" + law_name<typename K::Law> + "/" + route + "/" +
+                           scalar_name<typename K::T> + "/" + std::to_string(tetrahedra(n));
   benchmark::RegisterBenchmark(name.c_str(), f);
 }
 
@@ -88,12 +89,13 @@ inline double thread_seconds() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-/// Times f() and reports nanoseconds per item, `items` being what one call handles; but only if the call's result, of
-/// the given relative error, is right.
+/// Times f() and reports nanoseconds per item, `items` being what one call handles; but only if the call's
+/// result, of the given relative error, is right.
 template <class Function>
 void measure(benchmark::State& state, double items, double error, double tolerance, Function f) {
   if (!(error <= tolerance)) {
-    const std::string sentence = "differs from the reference by " + to_text(error) + ", allowed is " + to_text(tolerance);
+    const std::string sentence =
+        "differs from the reference by " + to_text(error) + ", allowed is " + to_text(tolerance);
     state.SkipWithError(sentence.c_str());
     return;
   }
@@ -108,7 +110,8 @@ void measure(benchmark::State& state, double items, double error, double toleran
   state.counters["relative_error"] = error;
 }
 
-/// The one `Case(n)` for a type and a size: Google Benchmark calls a benchmark several times. The last few are kept.
+/// The one `Case(n)` for a type and a size: Google Benchmark calls a benchmark several times. The last few
+/// are kept.
 template <class Case>
 Case& cached(int n) {
   struct Entry {
@@ -139,7 +142,8 @@ inline const TetrahedralMesh& cube(int n, double side = 1) {
 /// Smooth displacement of the unit cube with 10 to 20 % strain.
 inline Vec3<double> deformation(const Vec3<double>& X) {
   const double x = X[0], y = X[1], z = X[2];
-  return {0.10 * x + 0.05 * y * z + 0.02 * std::sin(5 * y), -0.05 * y + 0.08 * x * x + 0.02 * std::sin(4 * z + 1),
+  return {0.10 * x + 0.05 * y * z + 0.02 * std::sin(5 * y),
+          -0.05 * y + 0.08 * x * x + 0.02 * std::sin(4 * z + 1),
           0.04 * z - 0.06 * x * y + 0.02 * std::cos(6 * x)};
 }
 

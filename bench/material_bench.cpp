@@ -6,7 +6,8 @@
 #include "common.hpp"
 #include "reference.hpp"
 
-// Material functions over an array of deformation gradients, and the force of one element over an array of them.
+// Material functions over an array of deformation gradients, and the force of one element over an array of
+// them.
 
 namespace bench {
 namespace {
@@ -63,17 +64,20 @@ struct MaterialCase : MaterialArrays<typename K::T, N> {
   explicit MaterialCase(int n) : Arrays(tetrahedra(n)) {
     using Reference = ReferenceLaw<typename K::Law>;
     const double lambda = law.lambda(), mu = law.mu();
-    // Densities lose digits where they are small: their errors count against mu, those of stresses against the stress.
+    // Densities lose digits where they are small: their errors count against mu, those of stresses against
+    // the stress.
     energy_density();
     each_lane([&](std::size_t c, int l) {
       const Mat3<double> f = tensor_lane<T, N>(F[c], l);
-      const double error = std::abs(static_cast<double>(lane(psi[c], l)) - Reference::template energy<double>(f, lambda, mu));
+      const double error =
+          std::abs(static_cast<double>(lane(psi[c], l)) - Reference::template energy<double>(f, lambda, mu));
       psi_error = worse(psi_error, error / mu);
     });
     first_piola();
     each_lane([&](std::size_t c, int l) {
       const Mat3<double> p = Reference::template stress<double>(tensor_lane<T, N>(F[c], l), lambda, mu);
-      first_piola_error = worse(first_piola_error, (tensor_lane<T, N>(P[c], l) - p).norm() / std::max(p.norm(), mu));
+      first_piola_error =
+          worse(first_piola_error, (tensor_lane<T, N>(P[c], l) - p).norm() / std::max(p.norm(), mu));
     });
     first_piola_differential();
     each_lane([&](std::size_t c, int l) {
@@ -102,7 +106,8 @@ struct MaterialCase : MaterialArrays<typename K::T, N> {
   static double worse(double a, double b) { return b <= a ? a : b; }  // keeps a NaN
 };
 
-// Gradients of all elements of the cube: rest data stream through, displacements and forces stay in a ring in the L1 cache.
+// Gradients of all elements of the cube: rest data stream through, displacements and forces stay in a ring in
+// the L1 cache.
 template <class K>
 struct ElementCase {
   using T = typename K::T;
@@ -133,14 +138,17 @@ struct ElementCase {
       const LinearTetrahedron::Data<double> rest = LinearTetrahedron::make(X);
       const int l = static_cast<int>(k % N);
       for (std::size_t i = 0; i < 3; ++i)
-        for (int a = 0; a < 3; ++a) set_lane(data[k / N].gradient[i][a], l, static_cast<T>(rest.gradient[i][a]));
+        for (int a = 0; a < 3; ++a)
+          set_lane(data[k / N].gradient[i][a], l, static_cast<T>(rest.gradient[i][a]));
       set_lane(data[k / N].volume, l, static_cast<T>(rest.volume));
     }
     for (std::size_t r = 0; r < ring; ++r)
       for (int l = 0; l < N; ++l)
         for (std::size_t i = 0; i < 4; ++i)
-          for (int a = 0; a < 3; ++a)  // small against the edges: every element of the cube may meet every ring entry
-            set_lane(u[r].points[i][a], l, static_cast<T>(0.05 / n * std::sin(1.3 * a + 2.1 * double(i) + 0.7 * l + double(r))));
+          for (int a = 0; a < 3;
+               ++a)  // small against the edges: every element of the cube may meet every ring entry
+            set_lane(u[r].points[i][a], l,
+                     static_cast<T>(0.05 / n * std::sin(1.3 * a + 2.1 * double(i) + 0.7 * l + double(r))));
     check(inverse);
   }
 

@@ -11,8 +11,8 @@
 
 #include "common.hpp"
 
-// What a careful programmer writes in an afternoon: Eigen's 3x3 matrices, textbook formulas, one tetrahedron at a time. It
-// shares nothing with the library but the mesh; every benchmark's result is held against it.
+// What a careful programmer writes in an afternoon: Eigen's 3x3 matrices, textbook formulas, one tetrahedron
+// at a time. It shares nothing with the library but the mesh; every benchmark's result is held against it.
 
 namespace bench {
 
@@ -55,7 +55,8 @@ struct ReferenceLaw<NeoHookean> {
   template <class T>
   static Mat3<T> differential(const Mat3<T>& F, const Mat3<T>& dF, T lambda, T mu) {
     const Mat3<T> inverse = F.inverse(), R = inverse.transpose();
-    return mu * dF + (mu - lambda * std::log(F.determinant())) * R * dF.transpose() * R + lambda * (inverse * dF).trace() * R;
+    return mu * dF + (mu - lambda * std::log(F.determinant())) * R * dF.transpose() * R +
+           lambda * (inverse * dF).trace() * R;
   }
 };
 
@@ -77,7 +78,8 @@ struct ReferenceLaw<StableNeoHookean> {
     const T J = F.determinant();
     const Mat3<T> inverse = F.inverse(), R = inverse.transpose();
     const T t = (inverse * dF).trace();
-    return mu * dF + (lambda + mu) * J * t * J * R + ((lambda + mu) * (J - 1) - mu) * J * (t * R - R * dF.transpose() * R);
+    return mu * dF + (lambda + mu) * J * t * J * R +
+           ((lambda + mu) * (J - 1) - mu) * J * (t * R - R * dF.transpose() * R);
   }
 };
 
@@ -118,13 +120,15 @@ class ReferenceBody {
   double energy(const Vector<T>& x) const {
     double sum = 0;
     for (const Element& e : elements_)
-      sum += static_cast<double>(e.volume * ReferenceLaw<Law>::template energy<T>(gradient(e, x), lambda_, mu_));
+      sum +=
+          static_cast<double>(e.volume * ReferenceLaw<Law>::template energy<T>(gradient(e, x), lambda_, mu_));
     return sum;
   }
   /// y = its gradient: minus the force, N.
   void force(const Vector<T>& x, Vector<T>& y) const {
     y.setZero();
-    for (const Element& e : elements_) add(e, ReferenceLaw<Law>::template stress<T>(gradient(e, x), lambda_, mu_), y);
+    for (const Element& e : elements_)
+      add(e, ReferenceLaw<Law>::template stress<T>(gradient(e, x), lambda_, mu_), y);
   }
   /// y = K(x) d.
   void product(const Vector<T>& x, const Vector<T>& d, Vector<T>& y) const {

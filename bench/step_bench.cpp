@@ -11,10 +11,10 @@
 namespace bench {
 namespace {
 
-constexpr double side = 0.1;       // m
-constexpr double density = 1000;   // kg/m^3
+constexpr double side = 0.1;          // m
+constexpr double density = 1000;      // kg/m^3
 constexpr double implicit_dt = 0.01;  // s
-constexpr int lead = 6;            // steps before the measured one, to start from a state in motion
+constexpr int lead = 6;               // steps before the measured one, to start from a state in motion
 
 // Far below the time a wave takes through an element: 2/omega_max is at least h/(4 c) for these tetrahedra.
 double explicit_dt(int n) {
@@ -58,14 +58,16 @@ struct StepCheck {
     body.force(rest + u, g);
     return free.cwiseProduct(load - g);
   }
-  [[nodiscard]] double semi_explicit_error(const Motion<typename K::T>& a, const Motion<typename K::T>& b, double h) const {
+  [[nodiscard]] double semi_explicit_error(const Motion<typename K::T>& a, const Motion<typename K::T>& b,
+                                           double h) const {
     const Vector<double> u = packed(a.q.displacement), v = packed(a.v);
     const Vector<double> expected = v + h * force(u).cwiseQuotient(mass);
     return std::max(relative_error(packed(b.v), expected),
                     relative_error(packed(b.q.displacement), u + h * expected));
   }
   // |(M/h^2 + K) d - b| / |b| of the linearised step d.
-  [[nodiscard]] double linearised_error(const Motion<typename K::T>& a, const Motion<typename K::T>& b, double h) const {
+  [[nodiscard]] double linearised_error(const Motion<typename K::T>& a, const Motion<typename K::T>& b,
+                                        double h) const {
     const Vector<double> u = packed(a.q.displacement), d = packed(b.q.displacement) - u;
     const Vector<double> rhs = force(u) + mass.cwiseProduct(packed(a.v)) / h;
     Vector<double> Kd(d.size());
@@ -73,7 +75,8 @@ struct StepCheck {
     return (free.cwiseProduct(mass.cwiseProduct(d) / (h * h) + Kd) - rhs).norm() / rhs.norm();
   }
   // |residual of equilibrium| over the load.
-  [[nodiscard]] double newton_error(const Motion<typename K::T>& a, const Motion<typename K::T>& b, double h) const {
+  [[nodiscard]] double newton_error(const Motion<typename K::T>& a, const Motion<typename K::T>& b,
+                                    double h) const {
     const Vector<double> u = packed(b.q.displacement), d = u - packed(a.q.displacement);
     const Vector<double> inertia = free.cwiseProduct(mass.cwiseProduct(d - h * packed(a.v))) / (h * h);
     return (inertia - force(u)).norm() / free.cwiseProduct(load).norm();
@@ -127,7 +130,8 @@ struct ImplicitCase {
     }
     step();
     const StepCheck<K> check(n);
-    error = newton ? check.newton_error(start, motion, implicit_dt) : check.linearised_error(start, motion, implicit_dt);
+    error = newton ? check.newton_error(start, motion, implicit_dt)
+                   : check.linearised_error(start, motion, implicit_dt);
   }
   // From the same motion every time.
   void step() {

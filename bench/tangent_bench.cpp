@@ -4,15 +4,16 @@
 #include "common.hpp"
 #include "reference.hpp"
 
-// Products with the tangent of a whole mesh, its assembly, and iterations of block Jacobi conjugate gradients with it.
+// Products with the tangent of a whole mesh, its assembly, and iterations of block Jacobi conjugate gradients
+// with it.
 
 namespace bench {
 namespace {
 
-constexpr double density = 1000;          // kg/m^3
-constexpr double dt = 0.05;               // s; makes A = M/dt^2 + K positive definite, and CG not converge at once
-constexpr int timed_iterations = 30;      // the product before the first iteration then is 2 % of the time
-constexpr int compared_iterations = 8;    // few, since rounding errors grow along a sequence of iterations
+constexpr double density = 1000;  // kg/m^3
+constexpr double dt = 0.05;       // s; makes A = M/dt^2 + K positive definite, and CG not converge at once
+constexpr int timed_iterations = 30;    // the product before the first iteration then is 2 % of the time
+constexpr int compared_iterations = 8;  // few, since rounding errors grow along a sequence of iterations
 
 template <class K>
 using Body = System<ElasticTetrahedra<typename K::Law, typename K::T>>;
@@ -62,7 +63,8 @@ struct AssembledCase : TangentCase<K> {
 
 // The same iterations as a textbook has them, over the reference kernel.
 template <class Law>
-Vector<double> reference_iterations(const ReferenceState<Law>& state, const Vector<double>& mass, int iterations) {
+Vector<double> reference_iterations(const ReferenceState<Law>& state, const Vector<double>& mass,
+                                    int iterations) {
   const std::ptrdiff_t size = state.x.size();
   const auto apply = [&](const Vector<double>& p, Vector<double>& Ap) {
     state.body.product(state.x, p, Ap);
@@ -109,9 +111,10 @@ struct IterationCase : TangentCase<K> {
     tangent.set(this->system, this->q, TangentWeights{.mass = 1 / (dt * dt)});
     preconditioner.compute(tangent, this->system.prescribed.free());
     const Mass<double> mass = Mass<double>::lumped(cube(n), density);
-    const Vector<double> expected =
-        reference_iterations(ReferenceState<typename K::Law>(n), packed(mass.diagonal()), compared_iterations);
-    if (iterate(compared_iterations) == compared_iterations) error = relative_error(packed(this->y), expected);
+    const Vector<double> expected = reference_iterations(ReferenceState<typename K::Law>(n),
+                                                         packed(mass.diagonal()), compared_iterations);
+    if (iterate(compared_iterations) == compared_iterations)
+      error = relative_error(packed(this->y), expected);
     if (iterate(timed_iterations) != timed_iterations) error = HUGE_VAL;
   }
   // Solves A y = d with no tolerance. Returns the iterations done.
@@ -124,8 +127,7 @@ struct IterationCase : TangentCase<K> {
 
 template <class K, class Operator>
 void add_iteration(const std::string& route, int n) {
-  // Eight iterations amplify the rounding of single precision by about ten.
-  constexpr double tolerance = sizeof(typename K::T) == 8 ? 1e-11 : 1e-4;
+  constexpr double tolerance = rounding<typename K::T>;
   add("cg_iteration", K(), route, n, [n](benchmark::State& state) {
     auto& c = cached<IterationCase<K, Operator>>(n);
     measure(state, double(tetrahedra(n)) * timed_iterations, c.error, tolerance,

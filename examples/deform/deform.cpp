@@ -78,7 +78,7 @@ void require_supports(const System& system, std::size_t fixed) {
 }
 
 /// Draws DIR/deform.png by the script beside this program's source, with the first Python that has matplotlib.
-void draw_picture(const std::string& folder) {
+void draw_picture(const std::string& folder, bool statics) {
   const auto run = [](std::vector<std::string> words) {
     std::vector<char*> argv;
     for (std::string& w : words) argv.push_back(w.data());
@@ -94,7 +94,9 @@ void draw_picture(const std::string& folder) {
   };
   for (const char* python : {"python3", "/usr/bin/python3"}) {
     if (!run({python, "-c", "import matplotlib, numpy"})) continue;
-    if (run({python, DEFORM_PLOT_SCRIPT, folder})) std::printf("picture: %s/deform.png\n", folder.c_str());
+    std::vector<std::string> command{python, DEFORM_PLOT_SCRIPT, folder};
+    if (statics) command.push_back("--static");
+    if (run(command)) std::printf("picture: %s/deform.png\n", folder.c_str());
     else std::fprintf(stderr, "deform: the picture could not be drawn\n");
     return;
   }
@@ -237,7 +239,7 @@ int run(const Options& o, const TetrahedralMesh& mesh) {
                  summary.inverted_tetrahedra);
   std::printf("results: %s/deform.pvd, %s/summary.json\n", o.out.c_str(), o.out.c_str());
   std::fflush(stdout);
-  if (o.picture) draw_picture(o.out);
+  if (o.picture) draw_picture(o.out, o.statics);
   if (summary.status == Status::converged) return 0;
   std::fprintf(stderr, "deform: %s%s: %s (residual %.2e, tolerance %.2e)\n", std::string(to_string(summary.status)).c_str(),
                o.statics ? "" : (" in step " + std::to_string(summary.steps)).c_str(), summary.reason.c_str(),

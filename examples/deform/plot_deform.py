@@ -407,11 +407,12 @@ def main():
     parser.add_argument("directory", metavar="DIR", type=pathlib.Path, help="folder with the .pvd file")
     parser.add_argument("--output", metavar="FILE", type=pathlib.Path, help="default: DIR/deform.png")
     parser.add_argument("--series", metavar="NAME", default="deform", help="the .pvd file without its ending")
+    parser.add_argument("--static", action="store_true", help="the times of the series are not seconds: do not show them")
     parser.add_argument("--title", metavar="TEXT", help="heading of the picture")
     arguments = parser.parse_args()
     try:
         path, time = last_of_series(arguments.directory / f"{arguments.series}.pvd")
-        draw(*read_vtu(path), time, arguments.title, arguments.output or arguments.directory / "deform.png")
+        draw(*read_vtu(path), 0 if arguments.static else time, arguments.title, arguments.output or arguments.directory / "deform.png")
     except BadInput as error:
         print(f"plot_deform.py: {error}.", file=sys.stderr)
         return 2

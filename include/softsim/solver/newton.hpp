@@ -107,8 +107,8 @@ class Newton {
     potential.linearise(q, tangent_);
     preconditioner_.compute(tangent_, potential.system().prescribed.free());
     b_ = -r_;
+    trial_gradient_.resize(q.size());
     if (pending > 0) {
-      trial_gradient_.resize(q.size());
       tangent_.apply(delta_, trial_gradient_);
       b_ -= trial_gradient_;
     }

@@ -38,7 +38,11 @@ class IncrementalPotential {
       system_->add_hessian_product(*q_0_, d_, product_);
       sum += damping.beta / (2 * h_) * dot(d_, product_);
     }
-    if (damping.alpha != 0) sum += damping.alpha / h_ * system_->kinetic_energy(d_);
+    if (damping.alpha != 0) {
+      product_.setZero();
+      system_->mass.add_product(d_, T(1), product_);
+      sum += damping.alpha / (2 * h_) * dot(d_, product_);
+    }
     d_ -= static_cast<T>(h_) * *v_0_;
     product_.setZero();
     system_->mass.add_product(d_, T(1), product_);
