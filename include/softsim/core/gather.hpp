@@ -41,8 +41,8 @@ template <class T, int N, int... I>
   r.lanes = __builtin_shufflevector(low.lanes, high.lanes, I...);
 }
 
-// Four scalars from each of N / 4 places, side by side in one batch. They are put together in registers: a batch
-// read from memory right after it was written there in parts has to wait for the writes.
+// Four scalars from each of N / 4 places, side by side in one batch. They are put together in registers: a
+// batch read from memory right after it was written there in parts has to wait for the writes.
 template <class T, int N>
 [[gnu::always_inline]] inline void load_groups(const T* base, const std::int32_t* ids, Batch<T, N>& r) {
   if constexpr (N == 4) {
@@ -95,8 +95,8 @@ template <class T, int N>
   }
 }
 
-/// Adds lane l of v to block ids[l] of the flat vector at `base`, for the first `count` lanes, in the order of
-/// the lanes: a block may occur several times.
+/// Adds lane l of v to block ids[l] of the flat vector at `base`, for the first `count` lanes, in the order
+/// of the lanes: a block may occur several times.
 template <class T, int N>
 [[gnu::always_inline]] inline void scatter_add_blocks(T* base, const BlockIds<N>& ids,
                                                       const Vec3<Lanes<T, N>>& v, int count = N) {
