@@ -5,7 +5,7 @@
 int main(int argc, char** argv) {
   using namespace softsim;
   const TetrahedralMesh mesh = argc > 1 ? read_mesh(argv[1]) : box_mesh({8, 4, 4}, {0.2, 0.1, 0.1});
-  const auto law = NeoHookean::from_young_poisson(50e3, 0.4);                      // Pa, -
+  const auto law = NeoHookean::from_young_poisson(50e3, 0.4);                     // Pa, -
   System system(mesh, elastic(mesh, law), gravity(mesh, 1000.0, {0, 0, -9.81}));  // kg/m^3, m/s^2
   system.prescribed.fix(nodes_near(mesh, Side::xmin, 0.02));
   State<double> q(mesh.points().size());

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The softsim authors
 // SPDX-License-Identifier: MIT
 
-// The main job: a mesh file in, a ParaView series, a summary and a picture out. `deform --help` tells the options.
+// The main job: a mesh file in, a ParaView series, a summary and a picture out. `deform --help` tells the
+// options.
 
 #include <spawn.h>
 #include <sys/wait.h>
@@ -36,15 +37,18 @@ double wall_clock() {
 }
 
 TetrahedralMesh load_mesh(const Options& o) {
-  TetrahedralMesh mesh = softsim::read_mesh(o.mesh.empty() ? DEFORM_ORGAN : o.mesh, {.cell_array = o.cell_array});
-  for (const std::string& warning : mesh.warnings()) std::fprintf(stderr, "deform: warning: %s\n", warning.c_str());
+  TetrahedralMesh mesh =
+      softsim::read_mesh(o.mesh.empty() ? DEFORM_ORGAN : o.mesh, {.cell_array = o.cell_array});
+  for (const std::string& warning : mesh.warnings())
+    std::fprintf(stderr, "deform: warning: %s\n", warning.c_str());
   if (o.scale == 1) return mesh;
   std::vector<Vec3<double>> points = mesh.points();
   for (Vec3<double>& x : points) x *= o.scale;
   return TetrahedralMesh(points, mesh.tetrahedra(), mesh.region());
 }
 
-/// Parameters for every region of the mesh: those of --region in the order of their numbers, after those for all others.
+/// Parameters for every region of the mesh: those of --region in the order of their numbers, after those for
+/// all others.
 struct Parameters {
   std::vector<RegionParameters> sets;
   std::vector<std::int32_t> index;  // one per tetrahedron
@@ -77,7 +81,8 @@ void require_supports(const System& system, std::size_t fixed) {
   }
 }
 
-/// Draws DIR/deform.png by the script beside this program's source, with the first Python that has matplotlib.
+/// Draws DIR/deform.png by the script beside this program's source, with the first Python that has
+/// matplotlib.
 void draw_picture(const std::string& folder, bool statics) {
   const auto run = [](std::vector<std::string> words) {
     std::vector<char*> argv;
@@ -96,8 +101,10 @@ void draw_picture(const std::string& folder, bool statics) {
     if (!run({python, "-c", "import matplotlib, numpy"})) continue;
     std::vector<std::string> command{python, DEFORM_PLOT_SCRIPT, folder};
     if (statics) command.push_back("--static");
-    if (run(command)) std::printf("picture: %s/deform.png\n", folder.c_str());
-    else std::fprintf(stderr, "deform: the picture could not be drawn\n");
+    if (run(command))
+      std::printf("picture: %s/deform.png\n", folder.c_str());
+    else
+      std::fprintf(stderr, "deform: the picture could not be drawn\n");
     return;
   }
   std::fprintf(stderr, "deform: no picture, no Python with numpy and matplotlib was found\n");
@@ -109,11 +116,13 @@ void prepare_folder(const std::string& folder) {
   std::filesystem::create_directories(folder, error);
   if (error) invalid("--out " + folder + ": cannot be made (" + error.message() + ")");
   for (const char* name : {"summary.json", "deform.pvd", "deform.png"})
-    if (std::filesystem::is_directory(folder + "/" + name)) invalid("--out " + folder + ": " + name + " is a folder there");
+    if (std::filesystem::is_directory(folder + "/" + name))
+      invalid("--out " + folder + ": " + name + " is a folder there");
   for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
     const std::string name = entry.path().filename().string();
     const bool frame = name.starts_with("deform_") && name.ends_with(".vtu");
-    if (frame || name == "deform.pvd" || name == "deform.png" || name == "summary.json") std::filesystem::remove(entry.path(), error);
+    if (frame || name == "deform.pvd" || name == "deform.png" || name == "summary.json")
+      std::filesystem::remove(entry.path(), error);
   }
   if (error) invalid("--out " + folder + ": " + error.message());
 }
@@ -148,7 +157,8 @@ int run(const Options& o, const TetrahedralMesh& mesh) {
 
   if (o.statics) require_supports(system, fixed.size());
   softsim::StaticSolver<System> statics({.tolerance = o.tolerance});
-  softsim::BackwardEuler<System> implicit({.dt = o.statics ? 1 : o.dt, .newton = o.newton, .tolerance = o.tolerance});
+  softsim::BackwardEuler<System> implicit(
+      {.dt = o.statics ? 1 : o.dt, .newton = o.newton, .tolerance = o.tolerance});
   softsim::SemiExplicitEuler<System> explicit_euler({.dt = o.statics ? 1 : o.dt});
 
   // Nothing is written before this line: whatever was wrong with the input has been said.
@@ -168,9 +178,9 @@ int run(const Options& o, const TetrahedralMesh& mesh) {
   summary.fixed_nodes = fixed.size();
   summary.volume = mesh.volume();
   summary.mass = system.mass.total();
-  std::printf("%s: %zu nodes, %zu tetrahedra, %s m^3, %s kg, %zu nodes fixed\n", o.mesh.empty() ? "organ" : o.mesh.c_str(),
-              summary.nodes, summary.tetrahedra, softsim::to_text(summary.volume).c_str(),
-              softsim::to_text(summary.mass).c_str(), fixed.size());
+  std::printf("%s: %zu nodes, %zu tetrahedra, %s m^3, %s kg, %zu nodes fixed\n",
+              o.mesh.empty() ? "organ" : o.mesh.c_str(), summary.nodes, summary.tetrahedra,
+              softsim::to_text(summary.volume).c_str(), softsim::to_text(summary.mass).c_str(), fixed.size());
   write();
 
   const int steps = o.statics ? 1 : o.steps;
@@ -187,8 +197,8 @@ int run(const Options& o, const TetrahedralMesh& mesh) {
       if (report.status != Status::not_finite) motion.time = k * o.dt;  // free of the rounding of a long sum
     }
     const double seconds = wall_clock() - start;
-    // From rest and under dead loads no motion holds more energy than the loads have done work: an explicit step that is
-    // too large shows here long before its numbers overflow.
+    // From rest and under dead loads no motion holds more energy than the loads have done work: an explicit
+    // step that is too large shows here long before its numbers overflow.
     if (o.semi_explicit && !o.statics && (k % 10 == 0 || k == steps) && report.status == Status::converged) {
       const double work = -std::get<1>(system.terms).energy(motion.q);
       largest_work = std::max(largest_work, std::abs(work));
@@ -205,11 +215,14 @@ int run(const Options& o, const TetrahedralMesh& mesh) {
     summary.status = report.status;
     summary.reason = report.reason;
     if (o.statics)
-      std::printf("static solve: %d Newton, %d linear iterations, residual %.2e, %.3g s, %s\n", report.newton_iterations,
-                  report.linear_iterations, report.residual, seconds, std::string(to_string(report.status)).c_str());
+      std::printf("static solve: %d Newton, %d linear iterations, residual %.2e, %.3g s, %s\n",
+                  report.newton_iterations, report.linear_iterations, report.residual, seconds,
+                  std::string(to_string(report.status)).c_str());
     else
-      std::printf("step %d/%d  time %.6g s  iterations %d Newton %d linear  residual %.2e  real-time factor %.3g\n", k, steps,
-                  motion.time, report.newton_iterations, report.linear_iterations, report.residual, o.dt / seconds);
+      std::printf(
+          "step %d/%d  time %.6g s  iterations %d Newton %d linear  residual %.2e  real-time factor %.3g\n",
+          k, steps, motion.time, report.newton_iterations, report.linear_iterations, report.residual,
+          o.dt / seconds);
     std::fflush(stdout);
     if (report.status != Status::converged) break;
     if (k % every == 0) write();
@@ -228,12 +241,14 @@ int run(const Options& o, const TetrahedralMesh& mesh) {
   for (const softsim::ElementField& f : softsim::element_fields(mesh, laws, parameters.index, motion.q))
     summary.inverted_tetrahedra += f.j > 0 ? 0 : 1;
   summary.time = o.statics ? 0 : motion.time;
-  summary.real_time_factor = o.statics || summary.seconds_solving == 0 ? 0 : motion.time / summary.seconds_solving;
+  summary.real_time_factor =
+      o.statics || summary.seconds_solving == 0 ? 0 : motion.time / summary.seconds_solving;
   write_summary(o.out + "/summary.json", summary, o.mesh.empty() ? "organ" : o.mesh, o.material);
 
-  std::printf("%s: largest displacement %s m, strain energy %s J, %zu inverted tetrahedra, %.3g s solving\n",
-              std::string(to_string(summary.status)).c_str(), softsim::to_text(summary.max_displacement).c_str(),
-              softsim::to_text(summary.strain_energy).c_str(), summary.inverted_tetrahedra, summary.seconds_solving);
+  std::printf(
+      "%s: largest displacement %s m, strain energy %s J, %zu inverted tetrahedra, %.3g s solving\n",
+      std::string(to_string(summary.status)).c_str(), softsim::to_text(summary.max_displacement).c_str(),
+      softsim::to_text(summary.strain_energy).c_str(), summary.inverted_tetrahedra, summary.seconds_solving);
   if (summary.inverted_tetrahedra > 0)
     std::fprintf(stderr, "deform: warning: %zu tetrahedra are inverted in the last state; do not trust it\n",
                  summary.inverted_tetrahedra);
@@ -241,7 +256,8 @@ int run(const Options& o, const TetrahedralMesh& mesh) {
   std::fflush(stdout);
   if (o.picture) draw_picture(o.out, o.statics);
   if (summary.status == Status::converged) return 0;
-  std::fprintf(stderr, "deform: %s%s: %s (residual %.2e, tolerance %.2e)\n", std::string(to_string(summary.status)).c_str(),
+  std::fprintf(stderr, "deform: %s%s: %s (residual %.2e, tolerance %.2e)\n",
+               std::string(to_string(summary.status)).c_str(),
                o.statics ? "" : (" in step " + std::to_string(summary.steps)).c_str(), summary.reason.c_str(),
                summary.residual, o.tolerance);
   return 3;

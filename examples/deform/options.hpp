@@ -21,15 +21,20 @@ using softsim::Side;
 using softsim::Vec3;
 
 inline constexpr const char* help =
-    "deform: a tetrahedral mesh under load, from a file to a ParaView series and a picture. All values in SI units.\n"
+    "deform: a tetrahedral mesh under load, from a file to a ParaView series and a picture. All values in SI "
+    "units.\n"
     "\n"
-    "  deform [MESH] [--static | --steps N --dt S] --material LAW --young E --poisson NU --density RHO --fix SIDE\n"
+    "  deform [MESH] [--static | --steps N --dt S] --material LAW --young E --poisson NU --density RHO --fix "
+    "SIDE\n"
     "         [options]\n"
     "\n"
-    "  MESH                     .msh (Gmsh ASCII 1, 2, 4.1), .vtk (legacy ASCII) or .vtu (ASCII); coordinates in metres.\n"
-    "                           Without it the shipped organ is held, weighed down and pulled; --material, --young,\n"
+    "  MESH                     .msh (Gmsh ASCII 1, 2, 4.1), .vtk (legacy ASCII) or .vtu (ASCII); "
+    "coordinates in metres.\n"
+    "                           Without it the shipped organ is held, weighed down and pulled; --material, "
+    "--young,\n"
     "                           --poisson, --density and --fix are required with it.\n"
-    "  --static                 static equilibrium under the full load at once, by Newton's method (the default with\n"
+    "  --static                 static equilibrium under the full load at once, by Newton's method (the "
+    "default with\n"
     "                           MESH); mass, integrator and damping do not matter then\n"
     "  --steps N --dt S         N time steps of S seconds from rest\n"
     "  --material LAW           svk, neo-hookean, stable-neo-hookean or linear\n"
@@ -44,9 +49,11 @@ inline constexpr const char* help =
     "  --pull SIDE:FX,FY,FZ     a total force in N, spread over the nodes of a side (repeatable)\n"
     "  --mass KIND              lumped (default) or consistent\n"
     "  --integrator NAME        backward-euler (default) or semi-explicit\n"
-    "  --newton                 backward Euler: Newton's method to tolerance in every step, not one linearised solve\n"
+    "  --newton                 backward Euler: Newton's method to tolerance in every step, not one "
+    "linearised solve\n"
     "  --rayleigh A,B           damping alpha in 1/s and beta in s (0,0)\n"
-    "  --tolerance T            1e-6. Newton: residual over external load (norms); linearised step: relative residual\n"
+    "  --tolerance T            1e-6. Newton: residual over external load (norms); linearised step: relative "
+    "residual\n"
     "                           of the linear solve\n"
     "  --scale S                multiply the coordinates of MESH by S (0.001 for a mesh in millimetres)\n"
     "  --write-every K          write every K-th step and the last one (default: about 50 in all)\n"
@@ -55,7 +62,8 @@ inline constexpr const char* help =
     "  --help                   this text\n"
     "\n"
     "Results in DIR: deform.pvd and deform_*.vtu for ParaView, deform.png, summary.json.\n"
-    "Exit code: 0 converged; 1 the results cannot be written; 2 bad input, nothing is written; 3 a step did not converge,\n"
+    "Exit code: 0 converged; 1 the results cannot be written; 2 bad input, nothing is written; 3 a step did "
+    "not converge,\n"
     "is not finite, or makes energy out of nothing: what was written until then stays readable.\n";
 
 /// Elastic parameters of one region.
@@ -112,7 +120,8 @@ Number number(const Argument& argument, std::string_view part) {
   const char* end = part.data() + part.size();
   const auto [last, error] = std::from_chars(part.data(), end, value);
   const std::string quoted_part = "'" + std::string(part) + "'";
-  if (error == std::errc::result_out_of_range && last == end) argument.refuse(quoted_part + " is out of range");
+  if (error == std::errc::result_out_of_range && last == end)
+    argument.refuse(quoted_part + " is out of range");
   if (error != std::errc{} || last != end)
     argument.refuse(quoted_part + " is not " + (std::is_integral_v<Number> ? "a whole number" : "a number"));
   if constexpr (std::is_floating_point_v<Number>)
@@ -120,10 +129,13 @@ Number number(const Argument& argument, std::string_view part) {
   return value;
 }
 template <class Number>
-Number number(const Argument& argument) { return number<Number>(argument, argument.text); }
+Number number(const Argument& argument) {
+  return number<Number>(argument, argument.text);
+}
 
 /// Numbers with commas between them.
-inline std::vector<double> numbers(const Argument& argument, std::string_view part, std::size_t least, std::size_t most) {
+inline std::vector<double> numbers(const Argument& argument, std::string_view part, std::size_t least,
+                                   std::size_t most) {
   std::vector<double> values;
   for (const std::string_view piece : split(part, ',')) values.push_back(number<double>(argument, piece));
   if (values.size() < least || values.size() > most)
@@ -153,12 +165,13 @@ inline std::pair<std::string_view, std::string_view> at_colon(const Argument& ar
 
 /// Which of two words.
 inline bool is_second(const Argument& argument, const std::string& first, const std::string& second) {
-  if (argument.text != first && argument.text != second) argument.refuse("must be " + first + " or " + second);
+  if (argument.text != first && argument.text != second)
+    argument.refuse("must be " + first + " or " + second);
   return argument.text == second;
 }
 
-/// The shipped organ, held at its bottom, under its weight, pulled up and out at the tip of its left lobe; used for what
-/// the command line leaves open when it names no mesh.
+/// The shipped organ, held at its bottom, under its weight, pulled up and out at the tip of its left lobe;
+/// used for what the command line leaves open when it names no mesh.
 inline Options organ_defaults() {
   Options o;
   o.material = "neo-hookean";
@@ -178,16 +191,18 @@ inline Options organ_defaults() {
 /// Names of all options; true for those that take a value.
 inline const std::map<std::string, bool>& option_names() {
   static const std::map<std::string, bool> names{
-      {"--static", false}, {"--steps", true}, {"--dt", true}, {"--material", true}, {"--young", true},
-      {"--poisson", true}, {"--density", true}, {"--region", true}, {"--cell-array", true}, {"--fix", true},
-      {"--fix-depth", true}, {"--gravity", true}, {"--pull", true}, {"--mass", true}, {"--integrator", true},
-      {"--newton", false}, {"--rayleigh", true}, {"--tolerance", true}, {"--scale", true}, {"--write-every", true},
-      {"--out", true}, {"--no-picture", false}, {"--help", false}, {"-h", false}};
+      {"--static", false},    {"--steps", true},       {"--dt", true},         {"--material", true},
+      {"--young", true},      {"--poisson", true},     {"--density", true},    {"--region", true},
+      {"--cell-array", true}, {"--fix", true},         {"--fix-depth", true},  {"--gravity", true},
+      {"--pull", true},       {"--mass", true},        {"--integrator", true}, {"--newton", false},
+      {"--rayleigh", true},   {"--tolerance", true},   {"--scale", true},      {"--write-every", true},
+      {"--out", true},        {"--no-picture", false}, {"--help", false},      {"-h", false}};
   return names;
 }
 
 /// Splits the command line into the names of meshes and the options with their values.
-inline std::pair<std::vector<std::string>, std::vector<Argument>> tokens(const std::vector<std::string>& words) {
+inline std::pair<std::vector<std::string>, std::vector<Argument>> tokens(
+    const std::vector<std::string>& words) {
   std::vector<std::string> meshes;
   std::vector<Argument> named;
   for (std::size_t i = 0; i < words.size(); ++i) {
@@ -199,8 +214,10 @@ inline std::pair<std::vector<std::string>, std::vector<Argument>> tokens(const s
     Argument argument{words[i].substr(0, equals), ""};
     const auto known = option_names().find(argument.name);
     if (known == option_names().end()) invalid(argument.name + ": unknown option (--help lists them)");
-    if (equals != std::string::npos) argument.text = words[i].substr(equals + 1);
-    else if (known->second && i + 1 < words.size() && option_names().count(words[i + 1]) == 0) argument.text = words[++i];
+    if (equals != std::string::npos)
+      argument.text = words[i].substr(equals + 1);
+    else if (known->second && i + 1 < words.size() && option_names().count(words[i + 1]) == 0)
+      argument.text = words[++i];
     if (known->second && argument.text.empty()) invalid(argument.name + ": needs a value");
     if (!known->second && equals != std::string::npos) invalid(argument.name + ": takes no value");
     named.push_back(argument);
@@ -211,25 +228,44 @@ inline std::pair<std::vector<std::string>, std::vector<Argument>> tokens(const s
 /// Puts one option into place.
 inline void apply(const Argument& argument, Options& o) {
   const auto& [name, text] = argument;
-  if (name == "--static") o.statics = true;
-  else if (name == "--newton") o.newton = true;
-  else if (name == "--no-picture") o.picture = false;
-  else if (name == "--steps") o.steps = number<int>(argument);
-  else if (name == "--dt") o.dt = number<double>(argument);
-  else if (name == "--material") o.material = text;
-  else if (name == "--young") o.parameters.young = number<double>(argument);
-  else if (name == "--poisson") o.parameters.poisson = number<double>(argument);
-  else if (name == "--density") o.parameters.density = number<double>(argument);
-  else if (name == "--cell-array") o.cell_array = text;
-  else if (name == "--fix") o.fix.push_back(side(argument, text));
-  else if (name == "--fix-depth") o.fix_depth = number<double>(argument);
-  else if (name == "--gravity") o.gravity = vector(argument, text);
-  else if (name == "--mass") o.consistent_mass = is_second(argument, "lumped", "consistent");
-  else if (name == "--integrator") o.semi_explicit = is_second(argument, "backward-euler", "semi-explicit");
-  else if (name == "--tolerance") o.tolerance = number<double>(argument);
-  else if (name == "--scale") o.scale = number<double>(argument);
-  else if (name == "--write-every") o.write_every = number<int>(argument);
-  else if (name == "--out") o.out = text;
+  if (name == "--static")
+    o.statics = true;
+  else if (name == "--newton")
+    o.newton = true;
+  else if (name == "--no-picture")
+    o.picture = false;
+  else if (name == "--steps")
+    o.steps = number<int>(argument);
+  else if (name == "--dt")
+    o.dt = number<double>(argument);
+  else if (name == "--material")
+    o.material = text;
+  else if (name == "--young")
+    o.parameters.young = number<double>(argument);
+  else if (name == "--poisson")
+    o.parameters.poisson = number<double>(argument);
+  else if (name == "--density")
+    o.parameters.density = number<double>(argument);
+  else if (name == "--cell-array")
+    o.cell_array = text;
+  else if (name == "--fix")
+    o.fix.push_back(side(argument, text));
+  else if (name == "--fix-depth")
+    o.fix_depth = number<double>(argument);
+  else if (name == "--gravity")
+    o.gravity = vector(argument, text);
+  else if (name == "--mass")
+    o.consistent_mass = is_second(argument, "lumped", "consistent");
+  else if (name == "--integrator")
+    o.semi_explicit = is_second(argument, "backward-euler", "semi-explicit");
+  else if (name == "--tolerance")
+    o.tolerance = number<double>(argument);
+  else if (name == "--scale")
+    o.scale = number<double>(argument);
+  else if (name == "--write-every")
+    o.write_every = number<int>(argument);
+  else if (name == "--out")
+    o.out = text;
   else if (name == "--rayleigh") {
     const std::vector<double> v = numbers(argument, text, 2, 2);
     o.alpha = v[0];
@@ -240,7 +276,8 @@ inline void apply(const Argument& argument, Options& o) {
   } else if (name == "--region") {
     const auto [id, values] = at_colon(argument, "ID:E,NU or ID:E,NU,RHO");
     const std::vector<double> v = numbers(argument, values, 2, 3);
-    const auto [place, is_new] = o.regions.emplace(number<int>(argument, id), RegionParameters{v[0], v[1], v.size() == 3 ? v[2] : 0});
+    const auto [place, is_new] =
+        o.regions.emplace(number<int>(argument, id), RegionParameters{v[0], v[1], v.size() == 3 ? v[2] : 0});
     if (!is_new) argument.refuse("this region was given before");
   }
 }
@@ -276,7 +313,8 @@ inline Options parse(const std::vector<std::string>& words) {
 
   for (auto& [id, region] : o.regions)
     if (region.density == 0) region.density = o.parameters.density;
-  if (o.material != "svk" && o.material != "neo-hookean" && o.material != "stable-neo-hookean" && o.material != "linear")
+  if (o.material != "svk" && o.material != "neo-hookean" && o.material != "stable-neo-hookean" &&
+      o.material != "linear")
     invalid("--material " + o.material + ": must be svk, neo-hookean, stable-neo-hookean or linear");
   const auto check = [](bool good, const std::string& what, double value, const std::string& why) {
     if (!good) invalid(what + " " + softsim::to_text(value) + ": " + why);

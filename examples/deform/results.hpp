@@ -19,8 +19,9 @@ inline softsim::Field point_field(const std::string& name, const softsim::Vector
   return {name, 3, {packed.begin(), packed.end()}};
 }
 
-/// Writes the state as the next time of the series: deformed points; displacement, velocity and force at points (the sum of
-/// elastic force and load: at a held node, minus its reaction); J, Cauchy stress and strain energy in cells.
+/// Writes the state as the next time of the series: deformed points; displacement, velocity and force at
+/// points (the sum of elastic force and load: at a held node, minus its reaction); J, Cauchy stress and
+/// strain energy in cells.
 template <class System, class Law>
 void write_state(softsim::VtuSeries& series, const softsim::TetrahedralMesh& mesh, const System& system,
                  const std::vector<Law>& laws, const std::vector<std::int32_t>& law_index,
@@ -41,14 +42,16 @@ void write_state(softsim::VtuSeries& series, const softsim::TetrahedralMesh& mes
   }
   region.values.assign(mesh.region().begin(), mesh.region().end());
   series.add(motion.time, points, mesh.tetrahedra(),
-             {point_field("displacement", motion.q.displacement), point_field("velocity", motion.v), point_field("force", force)},
+             {point_field("displacement", motion.q.displacement), point_field("velocity", motion.v),
+              point_field("force", force)},
              {j, von_mises, principal, energy, region});
 }
 
 /// What summary.json holds.
 struct Summary {
   std::size_t nodes = 0, tetrahedra = 0, fixed_nodes = 0, inverted_tetrahedra = 0;
-  double volume = 0, mass = 0, max_displacement = 0, strain_energy = 0, kinetic_energy = 0, time = 0, residual = 0;
+  double volume = 0, mass = 0, max_displacement = 0, strain_energy = 0, kinetic_energy = 0, time = 0,
+         residual = 0;
   softsim::Status status = softsim::Status::converged;
   std::string reason;
   int steps = 0;
@@ -75,20 +78,23 @@ inline std::string json(double value) {
 }
 
 /// Writes summary.json, complete or not at all.
-inline void write_summary(const std::string& path, const Summary& s, const std::string& mesh, const std::string& material) {
+inline void write_summary(const std::string& path, const Summary& s, const std::string& mesh,
+                          const std::string& material) {
   softsim::detail::AtomicFile file(path);
-  file.write("{\n  \"mesh\": " + json_string(mesh) + ",\n  \"material\": " + json_string(material) +
-             ",\n  \"nodes\": " + std::to_string(s.nodes) + ",\n  \"tetrahedra\": " + std::to_string(s.tetrahedra) +
-             ",\n  \"fixed_nodes\": " + std::to_string(s.fixed_nodes) + ",\n  \"volume\": " + json(s.volume) +
-             ",\n  \"mass\": " + json(s.mass) + ",\n  \"status\": " + json_string(std::string(softsim::to_string(s.status))) +
-             ",\n  \"reason\": " + json_string(s.reason) + ",\n  \"steps\": " + std::to_string(s.steps) +
-             ",\n  \"time\": " + json(s.time) + ",\n  \"max_displacement\": " + json(s.max_displacement) +
-             ",\n  \"strain_energy\": " + json(s.strain_energy) + ",\n  \"kinetic_energy\": " + json(s.kinetic_energy) +
-             ",\n  \"inverted_tetrahedra\": " + std::to_string(s.inverted_tetrahedra) +
-             ",\n  \"newton_iterations\": " + std::to_string(s.newton_iterations) +
-             ",\n  \"linear_iterations\": " + std::to_string(s.linear_iterations) + ",\n  \"residual\": " + json(s.residual) +
-             ",\n  \"seconds_solving\": " + json(s.seconds_solving) +
-             ",\n  \"real_time_factor\": " + json(s.real_time_factor) + "\n}\n");
+  file.write(
+      "{\n  \"mesh\": " + json_string(mesh) + ",\n  \"material\": " + json_string(material) +
+      ",\n  \"nodes\": " + std::to_string(s.nodes) + ",\n  \"tetrahedra\": " + std::to_string(s.tetrahedra) +
+      ",\n  \"fixed_nodes\": " + std::to_string(s.fixed_nodes) + ",\n  \"volume\": " + json(s.volume) +
+      ",\n  \"mass\": " + json(s.mass) +
+      ",\n  \"status\": " + json_string(std::string(softsim::to_string(s.status))) +
+      ",\n  \"reason\": " + json_string(s.reason) + ",\n  \"steps\": " + std::to_string(s.steps) +
+      ",\n  \"time\": " + json(s.time) + ",\n  \"max_displacement\": " + json(s.max_displacement) +
+      ",\n  \"strain_energy\": " + json(s.strain_energy) + ",\n  \"kinetic_energy\": " +
+      json(s.kinetic_energy) + ",\n  \"inverted_tetrahedra\": " + std::to_string(s.inverted_tetrahedra) +
+      ",\n  \"newton_iterations\": " + std::to_string(s.newton_iterations) +
+      ",\n  \"linear_iterations\": " + std::to_string(s.linear_iterations) +
+      ",\n  \"residual\": " + json(s.residual) + ",\n  \"seconds_solving\": " + json(s.seconds_solving) +
+      ",\n  \"real_time_factor\": " + json(s.real_time_factor) + "\n}\n");
   file.commit();
 }
 

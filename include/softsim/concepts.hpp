@@ -17,8 +17,8 @@ namespace softsim {
 
 // ---------------------------------------------------------------- materials
 
-/// Invariants of C = F^T F, and J = det F: I1 = tr C, I2 = (I1^2 - tr C^2)/2. An energy is best written in their distances
-/// from rest, which come to it with the digits that a subtraction would lose at small strain.
+/// Invariants of C = F^T F, and J = det F: I1 = tr C, I2 = (I1^2 - tr C^2)/2. An energy is best written in
+/// their distances from rest, which come to it with the digits that a subtraction would lose at small strain.
 template <class T>
 struct Invariants {
   T i1, i2, j;
@@ -28,13 +28,17 @@ struct Invariants {
 };
 /// First derivatives of w(I1, I2, J).
 template <class T>
-struct First { T w1, w2, wj; };
+struct First {
+  T w1, w2, wj;
+};
 /// Second derivatives of w(I1, I2, J).
 template <class T>
-struct Second { T w11, w12, w22, w1j, w2j, wjj; };
+struct Second {
+  T w11, w12, w22, w1j, w2j, wjj;
+};
 
-/// Isotropic law written once, as w(I1, I2, J) with w(3, 3, 1) = 0, J/m^3. The flags let the compiler drop what is
-/// identically zero, which it may not do for 0 * x by itself.
+/// Isotropic law written once, as w(I1, I2, J) with w(3, 3, 1) = 0, J/m^3. The flags let the compiler drop
+/// what is identically zero, which it may not do for 0 * x by itself.
 template <class L, class T = double>
 concept InvariantLaw = requires(const L& law, const Invariants<T>& i) {
   { law.density(i) } -> std::convertible_to<T>;
@@ -45,8 +49,8 @@ concept InvariantLaw = requires(const L& law, const Invariants<T>& i) {
   { L::linear_in_i1 } -> std::convertible_to<bool>;
 };
 
-/// Stored energy per reference volume psi(F) in J/m^3 with psi(I) = 0, first Piola-Kirchhoff stress P = dpsi/dF in Pa,
-/// and its differential dP(F; dF).
+/// Stored energy per reference volume psi(F) in J/m^3 with psi(I) = 0, first Piola-Kirchhoff stress P =
+/// dpsi/dF in Pa, and its differential dP(F; dF).
 template <class M, class T = double>
 concept Material = requires(const M& m, const Mat3<T>& F, const Mat3<T>& dF) {
   { m.energy_density(F) } -> std::convertible_to<T>;
@@ -61,7 +65,9 @@ concept Material = requires(const M& m, const Mat3<T>& F, const Mat3<T>& dF) {
 
 /// Values of the unknowns of one stencil: displacements of its points in m.
 template <class T, int P>
-struct Local { std::array<Vec3<T>, P> points; };
+struct Local {
+  std::array<Vec3<T>, P> points;
+};
 /// Values of the unknowns that E (a kinematics or a local potential) works on.
 template <class E, class T>
 using Unknowns = Local<T, E::points>;
@@ -80,10 +86,12 @@ concept Kinematics = requires(const typename K::template Data<T>& data, const Un
   { K::pullback(data, u, P) } -> std::convertible_to<Tangent<K, T>>;
 };
 
-/// Kinematics whose deformation gradient is not linear in the unknowns: adds the derivative of the pull-back at fixed P.
+/// Kinematics whose deformation gradient is not linear in the unknowns: adds the derivative of the pull-back
+/// at fixed P.
 template <class K, class T = double>
-concept NonlinearKinematics = Kinematics<K, T> && requires(const typename K::template Data<T>& data,
-    const Unknowns<K, T>& u, const Tangent<K, T>& du, const Mat3<T>& P) {
+concept NonlinearKinematics = Kinematics<K, T> &&
+    requires(const typename K::template Data<T>& data, const Unknowns<K, T>& u, const Tangent<K, T>& du,
+             const Mat3<T>& P) {
   { K::geometric_product(data, u, P, du) } -> std::convertible_to<Tangent<K, T>>;
 };
 
@@ -97,8 +105,8 @@ concept LocalForce = requires(const E& e, const typename E::template Data<T>& da
 
 /// A local force that derives from an energy in J.
 template <class E, class T = double>
-concept LocalPotential = LocalForce<E, T> && requires(const E& e, const typename E::template Data<T>& data,
-                                                      const Unknowns<E, T>& u) {
+concept LocalPotential = LocalForce<E, T> &&
+    requires(const E& e, const typename E::template Data<T>& data, const Unknowns<E, T>& u) {
   { e.energy(data, u) } -> std::convertible_to<T>;
 };
 
@@ -106,8 +114,8 @@ concept LocalPotential = LocalForce<E, T> && requires(const E& e, const typename
 
 /// Anything that adds to the gradient (minus the force) and to its derivative over all unknowns.
 template <class S>
-concept ForceTerm = requires(const S& s, const State<typename S::Scalar>& q, const Vector<typename S::Scalar>& d,
-                             Vector<typename S::Scalar>& y) {
+concept ForceTerm = requires(const S& s, const State<typename S::Scalar>& q,
+                             const Vector<typename S::Scalar>& d, Vector<typename S::Scalar>& y) {
   s.add_gradient(q, y);
   s.add_hessian_product(q, d, y);
 };
@@ -122,16 +130,20 @@ concept Potential = ForceTerm<S> && requires(const S& s, const State<typename S:
 
 /// y = A x.
 template <class A, class T = double>
-concept LinearOperator = requires(const A& a, const Vector<T>& x, Vector<T>& y) { a.apply(x, y); };
+concept LinearOperator = requires(const A& a, const Vector<T>& x, Vector<T>& y) {
+  a.apply(x, y);
+};
 
 /// z = B r with B close to the inverse of an operator and positive definite.
 template <class B, class T = double>
-concept Preconditioner = requires(const B& b, const Vector<T>& r, Vector<T>& z) { b.apply(r, z); };
+concept Preconditioner = requires(const B& b, const Vector<T>& r, Vector<T>& z) {
+  b.apply(r, z);
+};
 
 /// Advances a motion by one step over a system and says how it went.
 template <class I, class S>
 concept Integrator = requires(I& integrator, S& system, Motion<typename S::Scalar>& motion) {
-  { integrator.step(system, motion).status };
+  {integrator.step(system, motion).status};
 };
 
 }  // namespace softsim

@@ -7,8 +7,8 @@
 #include <cstring>
 #include <type_traits>
 
-// With the instruction set the layout of a batch changes: the namespace carries the width, so that objects built
-// with different -march flags do not share symbols.
+// With the instruction set the layout of a batch changes: the namespace carries the width, so that objects
+// built with different -march flags do not share symbols.
 #if defined(__AVX512F__)
 #define SOFTSIM_SIMD_BYTES 64
 #define SOFTSIM_SIMD_NAMESPACE simd512
@@ -59,8 +59,8 @@ struct BatchMask {
 };
 
 /// N scalars of type T (float or double; N a power of two) that every generic function of the library accepts
-/// in place of one scalar: arithmetic acts lane by lane in the compiler's vector registers. Functions that take
-/// decisions use `select(mask, a, b)` instead of a branch.
+/// in place of one scalar: arithmetic acts lane by lane in the compiler's vector registers. Functions that
+/// take decisions use `select(mask, a, b)` instead of a branch.
 template <class T, int N>
 struct Batch {
   static_assert(std::is_floating_point_v<T> && N >= 2 && (N & (N - 1)) == 0);
@@ -73,8 +73,7 @@ struct Batch {
   Batch(const Register& r) : lanes(r) {}  // by reference: passing wide registers by value changes the ABI
   /// Every lane takes the value s.
   template <class S>
-    requires std::is_arithmetic_v<S>
-  Batch(S s) : lanes(static_cast<T>(s) - Register{}) {}
+  requires std::is_arithmetic_v<S> Batch(S s) : lanes(static_cast<T>(s) - Register{}) {}
 
   /// Reads N consecutive values; no alignment is assumed.
   static Batch load(const T* p) {
@@ -86,10 +85,22 @@ struct Batch {
   void store(T* p) const { std::memcpy(p, &lanes, sizeof(Register)); }
 
   Batch operator-() const { return Batch(Register(-lanes)); }
-  Batch& operator+=(const Batch& b) { lanes += b.lanes; return *this; }
-  Batch& operator-=(const Batch& b) { lanes -= b.lanes; return *this; }
-  Batch& operator*=(const Batch& b) { lanes *= b.lanes; return *this; }
-  Batch& operator/=(const Batch& b) { lanes /= b.lanes; return *this; }
+  Batch& operator+=(const Batch& b) {
+    lanes += b.lanes;
+    return *this;
+  }
+  Batch& operator-=(const Batch& b) {
+    lanes -= b.lanes;
+    return *this;
+  }
+  Batch& operator*=(const Batch& b) {
+    lanes *= b.lanes;
+    return *this;
+  }
+  Batch& operator/=(const Batch& b) {
+    lanes /= b.lanes;
+    return *this;
+  }
   friend Batch operator+(const Batch& a, const Batch& b) { return Batch(Register(a.lanes + b.lanes)); }
   friend Batch operator-(const Batch& a, const Batch& b) { return Batch(Register(a.lanes - b.lanes)); }
   friend Batch operator*(const Batch& a, const Batch& b) { return Batch(Register(a.lanes * b.lanes)); }
@@ -108,10 +119,18 @@ struct Batch {
   friend Batch abs(const Batch& a) { return select(a < Batch(0), -a, a); }
   friend Batch min(const Batch& a, const Batch& b) { return select(b < a, b, a); }
   friend Batch max(const Batch& a, const Batch& b) { return select(a < b, b, a); }
-  friend Batch sqrt(const Batch& a) { return map(a, [](const auto& x) { return x.sqrt(); }); }
-  friend Batch log(const Batch& a) { return map(a, [](const auto& x) { return x.log(); }); }
-  friend Batch log1p(const Batch& a) { return map(a, [](const auto& x) { return x.log1p(); }); }
-  friend Batch exp(const Batch& a) { return map(a, [](const auto& x) { return x.exp(); }); }
+  friend Batch sqrt(const Batch& a) {
+    return map(a, [](const auto& x) { return x.sqrt(); });
+  }
+  friend Batch log(const Batch& a) {
+    return map(a, [](const auto& x) { return x.log(); });
+  }
+  friend Batch log1p(const Batch& a) {
+    return map(a, [](const auto& x) { return x.log1p(); });
+  }
+  friend Batch exp(const Batch& a) {
+    return map(a, [](const auto& x) { return x.exp(); });
+  }
   /// To about 3 + |p log a| units in the last place: fused multiply-adds spoil Eigen's compensation.
   friend Batch pow(const Batch& a, double p) {
     return map(a, [p](const auto& x) { return x.pow(static_cast<T>(p)); });
@@ -145,21 +164,29 @@ inline constexpr int lane_count<Batch<T, N>> = N;
 
 /// Value of lane l; for a plain scalar the value itself.
 template <class T>
-[[nodiscard]] T lane(const T& x, int) { return x; }
+[[nodiscard]] T lane(const T& x, int) {
+  return x;
+}
 template <class T, int N>
-[[nodiscard]] T lane(const Batch<T, N>& x, int l) { return x.lanes[l]; }
+[[nodiscard]] T lane(const Batch<T, N>& x, int l) {
+  return x.lanes[l];
+}
 
 /// Writes lane l; for a plain scalar the value itself. For set-up, not for a hot loop.
 template <class T>
-void set_lane(T& x, int, std::type_identity_t<T> value) { x = value; }
+void set_lane(T& x, int, std::type_identity_t<T> value) {
+  x = value;
+}
 template <class T, int N>
-void set_lane(Batch<T, N>& x, int l, std::type_identity_t<T> value) { x.lanes[l] = value; }
+void set_lane(Batch<T, N>& x, int l, std::type_identity_t<T> value) {
+  x.lanes[l] = value;
+}
 
 }  // namespace SOFTSIM_SIMD_NAMESPACE
 
 /// a where the condition holds, b elsewhere: the scalar counterpart of the lane-wise select.
 template <class T>
-  requires std::is_arithmetic_v<T>
+requires std::is_arithmetic_v<T>
 [[nodiscard]] constexpr T select(bool condition, T a, T b) { return condition ? a : b; }
 
 }  // namespace softsim

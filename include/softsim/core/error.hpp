@@ -15,9 +15,12 @@ enum class Status { converged, not_converged, not_finite };
 /// "converged", "not_converged" or "not_finite".
 [[nodiscard]] constexpr std::string_view to_string(Status status) {
   switch (status) {
-    case Status::converged: return "converged";
-    case Status::not_converged: return "not_converged";
-    default: return "not_finite";
+    case Status::converged:
+      return "converged";
+    case Status::not_converged:
+      return "not_converged";
+    default:
+      return "not_finite";
   }
 }
 

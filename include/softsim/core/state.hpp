@@ -8,16 +8,20 @@
 
 namespace softsim {
 
-/// Scalars per block of a flat vector: three components and one that is always zero. A block is then read, written
-/// and transposed into lanes as one aligned vector; the zero leaves dot products and norms unchanged.
+/// Scalars per block of a flat vector: three components and one that is always zero. A block is then read,
+/// written and transposed into lanes as one aligned vector; the zero leaves dot products and norms unchanged.
 inline constexpr int block_stride = 4;
 
 /// Components of block i of a flat vector, as a writable 3-vector.
 template <class T>
-[[nodiscard]] auto block(Vector<T>& v, std::ptrdiff_t i) { return v.template segment<3>(block_stride * i); }
+[[nodiscard]] auto block(Vector<T>& v, std::ptrdiff_t i) {
+  return v.template segment<3>(block_stride * i);
+}
 /// Components of block i of a flat vector.
 template <class T>
-[[nodiscard]] auto block(const Vector<T>& v, std::ptrdiff_t i) { return v.template segment<3>(block_stride * i); }
+[[nodiscard]] auto block(const Vector<T>& v, std::ptrdiff_t i) {
+  return v.template segment<3>(block_stride * i);
+}
 
 /// Dot product, accumulated in double whatever the scalar.
 template <class T>
@@ -31,11 +35,14 @@ template <class T>
 
 /// Euclidean norm, accumulated in double.
 template <class T>
-[[nodiscard]] double norm(const Vector<T>& a) { return std::sqrt(dot(a, a)); }
+[[nodiscard]] double norm(const Vector<T>& a) {
+  return std::sqrt(dot(a, a));
+}
 
 /// Values of all unknowns: one block per point, its displacement from rest in m. (Displacements rather than
-/// positions keep single precision accurate far from the origin.) Everything above the potentials moves a state only
-/// through `retract` and `difference`, so that unknowns on a curved manifold fit in the same place.
+/// positions keep single precision accurate far from the origin.) Everything above the potentials moves a
+/// state only through `retract` and `difference`, so that unknowns on a curved manifold fit in the same
+/// place.
 template <class T>
 struct State {
   Vector<T> displacement;
@@ -55,11 +62,15 @@ struct State {
 
 /// Moves q by the increment scale * d.
 template <class T>
-void retract(State<T>& q, const Vector<T>& d, T scale = T(1)) { q.displacement += scale * d; }
+void retract(State<T>& q, const Vector<T>& d, T scale = T(1)) {
+  q.displacement += scale * d;
+}
 
 /// The increment d with retract(from, d) = to.
 template <class T>
-void difference(const State<T>& from, const State<T>& to, Vector<T>& d) { d = to.displacement - from.displacement; }
+void difference(const State<T>& from, const State<T>& to, Vector<T>& d) {
+  d = to.displacement - from.displacement;
+}
 
 /// A state in motion.
 template <class T>

@@ -26,7 +26,9 @@ template <class T>
 
 /// Trace of A.
 template <class T>
-[[nodiscard]] T trace(const Mat3<T>& A) { return A(0) + A(4) + A(8); }
+[[nodiscard]] T trace(const Mat3<T>& A) {
+  return A(0) + A(4) + A(8);
+}
 
 /// Cofactor matrix, dJ/dF for J = det F; equals J F^-T where F is regular, and stays exact where it is not.
 template <class T>
@@ -51,11 +53,15 @@ template <class T>
 
 /// Determinant as a triple product.
 template <class T>
-[[nodiscard]] T determinant(const Mat3<T>& F) { return F.col(0).dot(F.col(1).cross(F.col(2))); }
+[[nodiscard]] T determinant(const Mat3<T>& F) {
+  return F.col(0).dot(F.col(1).cross(F.col(2)));
+}
 
 /// Symmetric part (A + A^T)/2.
 template <class T>
-[[nodiscard]] Mat3<T> symmetric_part(const Mat3<T>& A) { return T(0.5) * (A + A.transpose()); }
+[[nodiscard]] Mat3<T> symmetric_part(const Mat3<T>& A) {
+  return T(0.5) * (A + A.transpose());
+}
 
 /// Cross-product matrix [v]x, so that [v]x w = v x w.
 template <class T>

@@ -10,16 +10,18 @@ namespace softsim {
 
 /// Options of `BackwardEuler`.
 struct BackwardEulerOptions {
-  double dt = 0;            ///< step, s
-  bool newton = false;      ///< false: one linearised solve a step; true: Newton's method to tolerance
-  double tolerance = 1e-6;  ///< Newton: residual over external load; linearised: relative residual of the linear solve
+  double dt = 0;        ///< step, s
+  bool newton = false;  ///< false: one linearised solve a step; true: Newton's method to tolerance
+  double tolerance =
+      1e-6;  ///< Newton: residual over external load; linearised: relative residual of the linear solve
   int max_newton_iterations = 50;
   ConjugateGradient linear = {};
 };
 
-/// Backward Euler, q_1 = q_0 + h v_1, M (v_1 - v_0)/h = forces at (q_1, v_1): first order, unconditionally stable, damping.
-/// Either as one linearised solve a step (Baraff & Witkin 1998, "Large steps in cloth simulation") or with Newton's
-/// method to convergence, which minimises `IncrementalPotential`. The linearised step is its first iteration.
+/// Backward Euler, q_1 = q_0 + h v_1, M (v_1 - v_0)/h = forces at (q_1, v_1): first order, unconditionally
+/// stable, damping. Either as one linearised solve a step (Baraff & Witkin 1998, "Large steps in cloth
+/// simulation") or with Newton's method to convergence, which minimises `IncrementalPotential`. The
+/// linearised step is its first iteration.
 template <class S, class Operator = Assembled, template <class> class Preconditioner = BlockJacobi>
 class BackwardEuler {
  public:
@@ -27,14 +29,16 @@ class BackwardEuler {
 
   /// @throws std::invalid_argument unless dt and tolerance are positive
   explicit BackwardEuler(const BackwardEulerOptions& options)
-      : options_(options), newton_(NewtonOptions{.max_iterations = options.max_newton_iterations,
-                                                 .tolerance = options.tolerance,
-                                                 .linear = {options.linear.max_iterations, options.tolerance}}) {
-    if (!(options.dt > 0) || !(options.dt <= 1e300)) invalid("dt " + to_text(options.dt) + " s: must be positive and finite");
+      : options_(options),
+        newton_(NewtonOptions{.max_iterations = options.max_newton_iterations,
+                              .tolerance = options.tolerance,
+                              .linear = {options.linear.max_iterations, options.tolerance}}) {
+    if (!(options.dt > 0) || !(options.dt <= 1e300))
+      invalid(std::string("dt ") + to_text(options.dt) + " s: must be positive and finite");
   }
 
-  /// Advances the motion by dt. If the result is not finite the motion stays as it was; if it did not converge the motion
-  /// takes the last iterate.
+  /// Advances the motion by dt. If the result is not finite the motion stays as it was; if it did not
+  /// converge the motion takes the last iterate.
   StepReport step(const S& system, Motion<T>& motion) {
     const double h = options_.dt;
     start_ = motion.q;

@@ -12,13 +12,13 @@ namespace softsim {
 
 /// Options of `SemiExplicitEuler`.
 struct SemiExplicitEulerOptions {
-  double dt = 0;  ///< step, s
+  double dt = 0;                                                        ///< step, s
   ConjugateGradient linear{.max_iterations = 500, .tolerance = 1e-12};  ///< for a consistent mass matrix only
 };
 
-/// Semi-explicit (symplectic) Euler: v_1 = v_0 + h M^-1 f(q_0, v_0), q_1 = q_0 + h v_1 (Goulette & Chen 2015, Eq. 32). First
-/// order, symplectic without damping, stable while h < 2/omega_max. With a consistent mass matrix every step solves
-/// for the acceleration.
+/// Semi-explicit (symplectic) Euler: v_1 = v_0 + h M^-1 f(q_0, v_0), q_1 = q_0 + h v_1 (Goulette & Chen 2015,
+/// Eq. 32). First order, symplectic without damping, stable while h < 2/omega_max. With a consistent mass
+/// matrix every step solves for the acceleration.
 template <class S>
 class SemiExplicitEuler {
  public:
@@ -26,7 +26,8 @@ class SemiExplicitEuler {
 
   /// @throws std::invalid_argument unless dt is positive
   explicit SemiExplicitEuler(const SemiExplicitEulerOptions& options) : options_(options) {
-    if (!(options.dt > 0) || !(options.dt <= 1e300)) invalid("dt " + to_text(options.dt) + " s: must be positive and finite");
+    if (!(options.dt > 0) || !(options.dt <= 1e300))
+      invalid(std::string("dt ") + to_text(options.dt) + " s: must be positive and finite");
   }
 
   /// Advances the motion by dt. If the result is not finite the motion stays as it was.
@@ -39,9 +40,11 @@ class SemiExplicitEuler {
       p_ = static_cast<T>(system.damping.beta) * motion.v;
       system.add_hessian_product(motion.q, p_, f_);
     }
-    if (system.damping.alpha != 0) system.mass.add_product(motion.v, static_cast<T>(system.damping.alpha), f_);
+    if (system.damping.alpha != 0)
+      system.mass.add_product(motion.v, static_cast<T>(system.damping.alpha), f_);
     f_ = -f_;
-    // Prescribed components first: they reach their target at the end of the step, and their acceleration is known.
+    // Prescribed components first: they reach their target at the end of the step, and their acceleration is
+    // known.
     p_.resize(system.size());
     system.prescribed.increment(motion.q, p_);
     p_ /= h;
@@ -49,13 +52,15 @@ class SemiExplicitEuler {
     if (system.mass.is_lumped()) {
       v_ = motion.v;
       const Vector<T>&m = system.mass.diagonal(), &free = system.prescribed.free();
-      for (std::ptrdiff_t k = 0; k < v_.size(); ++k) v_[k] = free[k] == T(0) ? p_[k] : v_[k] + h * f_[k] / m[k];
+      for (std::ptrdiff_t k = 0; k < v_.size(); ++k)
+        v_[k] = free[k] == T(0) ? p_[k] : v_[k] + h * f_[k] / m[k];
     } else {
       solve_consistent(system, motion, h, report);
     }
     next_ = motion.q;
     retract(next_, v_, h);
-    if (report.status == Status::not_finite || !std::isfinite(norm(v_)) || !std::isfinite(norm(next_.displacement))) {
+    if (report.status == Status::not_finite || !std::isfinite(norm(v_)) ||
+        !std::isfinite(norm(next_.displacement))) {
       report.status = Status::not_finite;
       report.reason = "the velocity is not finite: the step is too large, or a free point has no mass";
       return report;
@@ -93,11 +98,13 @@ class SemiExplicitEuler {
     b_ = f_ - b_;
     system.prescribed.mask(b_);
     x_.setZero(system.size());
-    const LinearReport solved = options_.linear.solve(MassOperator{&system}, MassJacobi{&system}, b_, x_, cg_);
+    const LinearReport solved =
+        options_.linear.solve(MassOperator{&system}, MassJacobi{&system}, b_, x_, cg_);
     report.status = solved.status;
     report.linear_iterations = solved.iterations;
     report.residual = solved.residual;
-    if (solved.status == Status::not_converged) report.reason = "conjugate gradients on the mass matrix: too many iterations";
+    if (solved.status == Status::not_converged)
+      report.reason = "conjugate gradients on the mass matrix: too many iterations";
     v_ = motion.v + h * (a_ + x_);
   }
 

@@ -43,7 +43,7 @@ struct ElementList {
     } catch (const std::invalid_argument& error) {
       std::size_t t = 0;
       const bool known = std::sscanf(error.what(), "tetrahedron %zu:", &t) == 1 && t < line.size();
-      invalid(path + (known ? ", line " + std::to_string(line[t]) : "") + ": " + error.what());
+      invalid(path + (known ? std::string(", line ") + std::to_string(line[t]) : "") + ": " + error.what());
     }
   }
 

@@ -64,11 +64,13 @@ class GmshReader {
       if (old && version_ != 0) header.fail(name + " belongs to format 1, but $MeshFormat names another");
       if (!old && version_ == 0) header.fail(name + " needs a $MeshFormat section before it");
       bool& seen = name == "$NOD" || name == "$Nodes" ? have_nodes_ : have_elements_;
-      if (seen) header.fail("a second " + name + " section");
+      if (seen) header.fail(std::string("a second ") + name + " section");
       seen = true;
       if (!have_nodes_) header.fail(name + " stands before the nodes");
-      if (&seen == &have_nodes_) version_ == 4 ? nodes_4() : nodes();
-      else version_ == 4 ? elements_4() : elements();
+      if (&seen == &have_nodes_)
+        version_ == 4 ? nodes_4() : nodes();
+      else
+        version_ == 4 ? elements_4() : elements();
       end((old ? "$END" : "$End") + name.substr(1));
     } else if (name == "$MeshFormat") {
       if (version_ != 0 || have_nodes_) header.fail("a late or second $MeshFormat section");
@@ -80,7 +82,7 @@ class GmshReader {
     } else if (name == "$PartitionedEntities") {
       header.fail("a partitioned mesh, whose regions are not known; save it unpartitioned");
     } else {
-      skip("$End" + name.substr(1), "$END" + name.substr(1), header);
+      skip("$End" + name.substr(1), std::string("$END") + name.substr(1), header);
     }
   }
 
@@ -92,7 +94,7 @@ class GmshReader {
     else if (version == "2" || version == "2.0" || version == "2.1" || version == "2.2")
       version_ = 2;
     else
-      record.fail("format version " + in_quotes(version) +
+      record.fail(std::string("format version ") + in_quotes(version) +
                   " is not read; save the mesh as version 4.1 or 2.2");
     if (record.integer("file type", 0, 1) == 1)
       record.fail("the file is binary; write it as ASCII or convert it with meshio");
@@ -135,7 +137,7 @@ class GmshReader {
 
   void add_node(const Scanner& at, long long id) {
     if (!index_.emplace(id, static_cast<std::int32_t>(index_.size())).second)
-      at.fail("node number " + std::to_string(id) + " is repeated");
+      at.fail(std::string("node number ") + std::to_string(id) + " is repeated");
   }
   void add_point(Scanner& from) {
     const double x = from.real("x coordinate"), y = from.real("y coordinate"), z = from.real("z coordinate");
@@ -180,7 +182,7 @@ class GmshReader {
       }
     }
     if (list_.points.size() != n)
-      file_.fail("the node blocks hold " + std::to_string(list_.points.size()) +
+      file_.fail(std::string("the node blocks hold ") + std::to_string(list_.points.size()) +
                  " nodes, not the announced " + std::to_string(n));
   }
 
@@ -228,8 +230,8 @@ class GmshReader {
       found += in_block;
     }
     if (found != n)
-      file_.fail("the element blocks hold " + std::to_string(found) + " elements, not the announced " +
-                 std::to_string(n));
+      file_.fail(std::string("the element blocks hold ") + std::to_string(found) +
+                 " elements, not the announced " + std::to_string(n));
   }
 
   std::pair<std::size_t, std::size_t> block_totals(const char* what, std::size_t words) {
@@ -267,29 +269,33 @@ class GmshReader {
     for (const GmshType& type : gmsh_types) {
       if (type.number != wanted) continue;
       if (!type.volume.empty() && wanted != gmsh_tetrahedron)
-        from.fail("a " + std::string(type.volume) + " (element type " + std::to_string(wanted) +
+        from.fail(std::string("a ") + std::string(type.volume) + " (element type " + std::to_string(wanted) +
                   "), but only four-node tetrahedra are read; mesh the volume with those");
       return type;
     }
-    from.fail("element type '" + std::to_string(wanted) + "' is not known");
+    from.fail(std::string("element type '") + std::to_string(wanted) + "' is not known");
   }
 
   void element(Scanner& line, long long id, const GmshType& type, int group) {
-    if (!element_ids_.insert(id).second) line.fail("element number " + std::to_string(id) + " is repeated");
+    if (!element_ids_.insert(id).second)
+      line.fail(std::string("element number ") + std::to_string(id) + " is repeated");
     Tetrahedron nodes{};
     for (std::size_t a = 0; a < static_cast<std::size_t>(type.nodes); ++a) {
       const long long node = number(line, "node number");
       const auto found = index_.find(node);
       if (found == index_.end())
-        line.fail("node number '" + std::to_string(node) + "' is not among the nodes");
+        line.fail(std::string("node number '") + std::to_string(node) + "' is not among the nodes");
       if (type.number != gmsh_tetrahedron) continue;
       for (std::size_t b = 0; b < a; ++b)
-        if (nodes[b] == found->second) line.fail("node number '" + std::to_string(node) + "' is repeated");
+        if (nodes[b] == found->second)
+          line.fail(std::string("node number '") + std::to_string(node) + "' is repeated");
       nodes[a] = found->second;
     }
     line.finish();
-    if (type.number == gmsh_tetrahedron) list_.add(nodes, group, line.line_number());
-    else ++list_.skipped;
+    if (type.number == gmsh_tetrahedron)
+      list_.add(nodes, group, line.line_number());
+    else
+      ++list_.skipped;
   }
 
   Scanner file_;

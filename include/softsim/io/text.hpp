@@ -113,7 +113,7 @@ class Scanner {
   }
   /// The next line that is not blank.
   Scanner line(std::string_view what) {
-    if (at_end()) fail("the file ends where " + std::string(what) + " was expected");
+    if (at_end()) fail(std::string("the file ends where ") + std::string(what) + " was expected");
     return rest_of_line();
   }
   /// Refuses anything that is left over.

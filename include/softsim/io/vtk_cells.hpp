@@ -18,13 +18,18 @@ inline constexpr int vtk_tetrahedron = 10;
 /// Number of nodes of a VTK cell type where it is fixed and small, else 0.
 [[nodiscard]] constexpr std::size_t vtk_node_count(int type) {
   switch (type) {
-    case 1: return 1;
-    case 3: return 2;
-    case 5: return 3;
+    case 1:
+      return 1;
+    case 3:
+      return 2;
+    case 5:
+      return 3;
     case 8:
     case 9:
-    case vtk_tetrahedron: return 4;
-    default: return 0;
+    case vtk_tetrahedron:
+      return 4;
+    default:
+      return 0;
   }
 }
 
@@ -38,19 +43,32 @@ inline constexpr int vtk_tetrahedron = 10;
 /// What a message calls a VTK cell type that is refused.
 [[nodiscard]] constexpr std::string_view vtk_volume_name(int type) {
   switch (type) {
-    case 11: return "voxel";
-    case 12: return "hexahedron";
-    case 13: return "wedge";
-    case 14: return "pyramid";
-    case 24: return "ten-node tetrahedron";
-    case 25: return "20-node hexahedron";
-    case 26: return "15-node wedge";
-    case 27: return "13-node pyramid";
-    case 29: return "27-node hexahedron";
-    case 42: return "polyhedron";
-    case 71: return "Lagrange tetrahedron";
-    case 72: return "Lagrange hexahedron";
-    default: return "cell";
+    case 11:
+      return "voxel";
+    case 12:
+      return "hexahedron";
+    case 13:
+      return "wedge";
+    case 14:
+      return "pyramid";
+    case 24:
+      return "ten-node tetrahedron";
+    case 25:
+      return "20-node hexahedron";
+    case 26:
+      return "15-node wedge";
+    case 27:
+      return "13-node pyramid";
+    case 29:
+      return "27-node hexahedron";
+    case 42:
+      return "polyhedron";
+    case 71:
+      return "Lagrange tetrahedron";
+    case 72:
+      return "Lagrange hexahedron";
+    default:
+      return "cell";
   }
 }
 
@@ -67,13 +85,13 @@ struct VtkCells {
             ElementList& list) const {
     const std::size_t begin = c == 0 ? 0 : end[c - 1];
     if (type != vtk_tetrahedron && !vtk_is_lower_dimensional(type))
-      type_at.fail("cell " + std::to_string(c) + " is a " + std::string(vtk_volume_name(type)) +
+      type_at.fail(std::string("cell ") + std::to_string(c) + " is a " + std::string(vtk_volume_name(type)) +
                    " (VTK type " + std::to_string(type) +
                    "), but only four-node tetrahedra are read; mesh the volume with those");
     const std::size_t nodes = vtk_node_count(type);
     if (nodes != 0 && end[c] - begin != nodes)
-      type_at.fail("cell " + std::to_string(c) + " of VTK type " + std::to_string(type) + " has " +
-                   std::to_string(end[c] - begin) + " points, not " + std::to_string(nodes));
+      type_at.fail(std::string("cell ") + std::to_string(c) + " of VTK type " + std::to_string(type) +
+                   " has " + std::to_string(end[c] - begin) + " points, not " + std::to_string(nodes));
     if (type != vtk_tetrahedron) {
       ++list.skipped;
       return;

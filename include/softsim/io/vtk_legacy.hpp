@@ -45,7 +45,7 @@ class VtkLegacyReader {
       else if (keyword == "metadata")
         metadata();
       else if (data_ == Data::none || !attribute(keyword))
-        at.fail("keyword " + in_quotes(keyword) + " is not known");
+        at.fail(std::string("keyword ") + in_quotes(keyword) + " is not known");
     }
     if (!have_points_) file_.fail("the file has no POINTS");
     if (!have_cells_) file_.fail("the file has no CELLS");
@@ -98,7 +98,7 @@ class VtkLegacyReader {
     if (lower(keyword) != "dataset") dataset.fail(in_quotes(keyword) + " stands where DATASET was expected");
     const std::string_view type = dataset.word("dataset type");
     if (lower(type) != "unstructured_grid")
-      dataset.fail("dataset type " + in_quotes(type) + " is not read, only UNSTRUCTURED_GRID");
+      dataset.fail(std::string("dataset type ") + in_quotes(type) + " is not read, only UNSTRUCTURED_GRID");
     dataset.finish();
   }
 
@@ -145,8 +145,8 @@ class VtkLegacyReader {
     std::size_t left = size;
     for (std::size_t c = 0; c < n; ++c) {
       if (left == 0)
-        file_.fail("the cell list is full after " + std::to_string(c) + " of " + std::to_string(n) +
-                   " cells");
+        file_.fail(std::string("the cell list is full after ") + std::to_string(c) + " of " +
+                   std::to_string(n) + " cells");
       const std::size_t nodes = file_.count("number of points of a cell", left - 1);
       cells_.line.push_back(file_.line_number());
       for (std::size_t a = 0; a < nodes; ++a) point_number();
@@ -154,7 +154,8 @@ class VtkLegacyReader {
       left -= nodes + 1;
     }
     if (left != 0)
-      file_.fail("the cell list is " + std::to_string(left) + " entries shorter than its size says");
+      file_.fail(std::string("the cell list is ") + std::to_string(left) +
+                 " entries shorter than its size says");
   }
 
   /// VTK 5.1: n - 1 cells, of which the first entry of OFFSETS is 0 and the following say where each ends.
@@ -169,7 +170,7 @@ class VtkLegacyReader {
       if (i > 0) cells_.end.push_back(before);
     }
     if (before != size)
-      file_.fail("the last offset is " + std::to_string(before) + ", but CELLS announces " +
+      file_.fail(std::string("the last offset is ") + std::to_string(before) + ", but CELLS announces " +
                  std::to_string(size));
     const std::string_view keyword = file_.word("CONNECTIVITY");
     if (lower(keyword) != "connectivity")
@@ -186,8 +187,8 @@ class VtkLegacyReader {
     if (!types_.empty()) at.fail("a second CELL_TYPES");
     const std::size_t n = file_.count("number of cell types", file_.room(1));
     if (n != cells_.end.size())
-      file_.fail("CELL_TYPES has " + std::to_string(n) + " entries for " + std::to_string(cells_.end.size()) +
-                 " cells");
+      file_.fail(std::string("CELL_TYPES has ") + std::to_string(n) + " entries for " +
+                 std::to_string(cells_.end.size()) + " cells");
     types_.reserve(n);
     for (std::size_t c = 0; c < n; ++c) {
       const int type = static_cast<int>(file_.integer("cell type", 0, 255));
@@ -199,7 +200,8 @@ class VtkLegacyReader {
     if (!known) at.fail("data stand before the points or cells they belong to");
     const std::size_t n = file_.count("number of data", expected);
     if (n != expected)
-      file_.fail("data for " + std::to_string(n) + " entries, but there are " + std::to_string(expected));
+      file_.fail(std::string("data for ") + std::to_string(n) + " entries, but there are " +
+                 std::to_string(expected));
     data_ = data;
     data_size_ = n;
   }
@@ -208,9 +210,9 @@ class VtkLegacyReader {
   void values(std::string_view name, std::size_t n, std::size_t components, std::string_view type) {
     if (data_ == Data::cells) present_.push_back(decoded(name));
     if (data_ == Data::cells && !wanted_.empty() && present_.back() == wanted_) {
-      if (found_) file_.fail("a second cell array " + in_quotes(wanted_));
+      if (found_) file_.fail(std::string("a second cell array ") + in_quotes(wanted_));
       if (n != cells_.end.size() || components != 1)
-        file_.fail("cell array " + in_quotes(wanted_) + " has " + std::to_string(components) +
+        file_.fail(std::string("cell array ") + in_quotes(wanted_) + " has " + std::to_string(components) +
                    " components and " + std::to_string(n) + " entries, not one for each of the " +
                    std::to_string(cells_.end.size()) + " cells");
       found_ = true;
@@ -222,8 +224,10 @@ class VtkLegacyReader {
       if (text) file_.rest_of_line();
       for (std::size_t i = 0; i < n; ++i)
         for (std::size_t c = 0; c < components; ++c)
-          if (text) file_.exhausted() ? file_.fail("a text is missing") : void(file_.rest_of_line());
-          else file_.word("value");
+          if (text)
+            file_.exhausted() ? file_.fail("a text is missing") : void(file_.rest_of_line());
+          else
+            file_.word("value");
     }
   }
 
@@ -243,9 +247,12 @@ class VtkLegacyReader {
   /// One attribute of POINT_DATA or CELL_DATA; false if the keyword is none.
   bool attribute(const std::string& keyword) {
     std::size_t components = 1;
-    if (keyword == "vectors" || keyword == "normals") components = 3;
-    else if (keyword == "tensors") components = 9;
-    else if (keyword == "tensors6") components = 6;
+    if (keyword == "vectors" || keyword == "normals")
+      components = 3;
+    else if (keyword == "tensors")
+      components = 9;
+    else if (keyword == "tensors6")
+      components = 6;
     else if (keyword != "scalars" && keyword != "lookup_table" && keyword != "color_scalars" &&
              keyword != "texture_coordinates" && keyword != "global_ids" && keyword != "pedigree_ids" &&
              keyword != "edge_flags")
@@ -282,7 +289,8 @@ class VtkLegacyReader {
   /// A block of notes that ends with a blank line.
   void metadata() {
     file_.rest_of_line();
-    while (!file_.exhausted() && !file_.rest_of_line().at_end()) {}
+    while (!file_.exhausted() && !file_.rest_of_line().at_end()) {
+    }
   }
 
   const std::string& path_;

@@ -28,7 +28,8 @@ class VtuReader {
     const XmlElement root = XmlParser(path_, text_).parse();
     if (root.name != "VTKFile") root.at.fail("<" + root.name + "> stands where <VTKFile> was expected");
     if (root.required("type") != "UnstructuredGrid")
-      root.at.fail("file type " + in_quotes(root.required("type")) + " is not read, only UnstructuredGrid");
+      root.at.fail(std::string("file type ") + in_quotes(root.required("type")) +
+                   " is not read, only UnstructuredGrid");
     const XmlElement& grid = root.required_child("UnstructuredGrid");
     bool any = false;
     for (const XmlElement& element : grid.children)
@@ -56,7 +57,8 @@ class VtuReader {
       const std::string* its_name = element.attribute("Name");
       if (!name.empty() && (its_name == nullptr || *its_name != name)) continue;
       if (found != nullptr)
-        element.at.fail("a second <DataArray> " + std::string(name) + " in <" + parent.name + ">");
+        element.at.fail(std::string("a second <DataArray> ") + std::string(name) + " in <" + parent.name +
+                        ">");
       found = &element;
     }
     return found;
@@ -71,17 +73,17 @@ class VtuReader {
   static void check(const XmlElement& data, std::string_view components) {
     const std::string* format = data.attribute("format");
     if (format != nullptr && *format != "ascii")
-      data.at.fail("the data are binary (format " + in_quotes(*format) +
+      data.at.fail(std::string("the data are binary (format ") + in_quotes(*format) +
                    "); write the file as ASCII or convert it with meshio");
     const std::string& type = data.required("type");
-    constexpr std::string_view types[] = {"Float32", "Float64", "Int8",  "Int16",  "Int32",
+    constexpr std::string_view types[] = {"Float32", "Float64", "Int8",   "Int16",  "Int32",
                                           "Int64",   "UInt8",   "UInt16", "UInt32", "UInt64"};
     if (std::find(std::begin(types), std::end(types), type) == std::end(types))
-      data.at.fail("data type " + in_quotes(type) + " is not numeric");
+      data.at.fail(std::string("data type ") + in_quotes(type) + " is not numeric");
     const std::string* found = data.attribute("NumberOfComponents");
     if (found != nullptr && *found != components)
-      data.at.fail("NumberOfComponents " + in_quotes(*found) + " stands where " + std::string(components) +
-                   " was expected");
+      data.at.fail(std::string("NumberOfComponents ") + in_quotes(*found) + " stands where " +
+                   std::string(components) + " was expected");
   }
 
   /// Calls read(scanner) `n` times, each of which takes one value, and refuses another number of values.
@@ -96,7 +98,7 @@ class VtuReader {
         read(stretch);
       }
     if (found < n)
-      data.at.fail("<DataArray> holds " + std::to_string(found) + " values, not the expected " +
+      data.at.fail(std::string("<DataArray> holds ") + std::to_string(found) + " values, not the expected " +
                    std::to_string(n));
   }
 

@@ -73,11 +73,20 @@ class AtomicFile {
 [[nodiscard]] inline std::string xml_escaped(std::string_view text) {
   std::string escaped;
   for (const char c : text) switch (c) {
-      case '&': escaped += "&amp;"; break;
-      case '<': escaped += "&lt;"; break;
-      case '>': escaped += "&gt;"; break;
-      case '"': escaped += "&quot;"; break;
-      default: escaped += c;
+      case '&':
+        escaped += "&amp;";
+        break;
+      case '<':
+        escaped += "&lt;";
+        break;
+      case '>':
+        escaped += "&gt;";
+        break;
+      case '"':
+        escaped += "&quot;";
+        break;
+      default:
+        escaped += c;
     }
   return escaped;
 }
@@ -98,8 +107,8 @@ inline constexpr const char* vtk_byte_order =
 class AppendedArrays {
  public:
   template <class T>
-  [[nodiscard]] std::string describe(const char* type, std::string_view name, int components,
-                                     const T* data, std::size_t bytes) {
+  [[nodiscard]] std::string describe(const char* type, std::string_view name, int components, const T* data,
+                                     std::size_t bytes) {
     std::string text = std::string("        <DataArray type=\"") + type + "\" Name=\"" + xml_escaped(name) +
                        "\" NumberOfComponents=\"" + std::to_string(components) +
                        "\" format=\"appended\" offset=\"" + std::to_string(offset_) + "\"/>\n";
@@ -177,8 +186,8 @@ inline void write_vtu(const std::string& path, const std::vector<Vec3<double>>& 
   std::string head =
       "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"";
   head += std::string(detail::vtk_byte_order) + "\" header_type=\"UInt64\">\n  <UnstructuredGrid>\n";
-  head += "    <Piece NumberOfPoints=\"" + std::to_string(points.size()) + "\" NumberOfCells=\"" +
-          std::to_string(tetrahedra.size()) + "\">\n      <PointData>\n";
+  head += std::string("    <Piece NumberOfPoints=\"") + std::to_string(points.size()) +
+          "\" NumberOfCells=\"" + std::to_string(tetrahedra.size()) + "\">\n      <PointData>\n";
   head += detail::describe_fields(arrays, point_fields);
   head += "      </PointData>\n      <CellData>\n";
   head += detail::describe_fields(arrays, cell_fields);
@@ -227,8 +236,9 @@ class VtuSeries {
 
     char digits[32];  // the shortest text that gives the same number back, in whatever locale
     const char* end = std::to_chars(digits, digits + sizeof digits, time).ptr;
-    std::string entry = "    <DataSet timestep=\"" + std::string(static_cast<const char*>(digits), end) +
-                        "\" part=\"0\" file=\"" + detail::xml_escaped(name_ + number) + "\"/>\n";
+    std::string entry = std::string("    <DataSet timestep=\"") +
+                        std::string(static_cast<const char*>(digits), end) + "\" part=\"0\" file=\"" +
+                        detail::xml_escaped(name_ + number) + "\"/>\n";
     detail::AtomicFile file(path());
     file.write("<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"");
     file.write(detail::vtk_byte_order);

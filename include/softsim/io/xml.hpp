@@ -30,7 +30,7 @@ struct XmlElement {
   /// Value of an attribute that must be there.
   [[nodiscard]] const std::string& required(std::string_view key) const {
     const std::string* value = attribute(key);
-    if (value == nullptr) at.fail("<" + name + "> has no attribute " + std::string(key));
+    if (value == nullptr) at.fail(std::string("<") + name + "> has no attribute " + std::string(key));
     return *value;
   }
   /// The only child of that name, or nullptr.
@@ -46,7 +46,7 @@ struct XmlElement {
   /// The only child of that name, which must be there.
   [[nodiscard]] const XmlElement& required_child(std::string_view wanted) const {
     const XmlElement* found = child(wanted);
-    if (found == nullptr) at.fail("<" + name + "> holds no <" + std::string(wanted) + ">");
+    if (found == nullptr) at.fail(std::string("<") + name + "> holds no <" + std::string(wanted) + ">");
     return *found;
   }
 };
@@ -66,11 +66,16 @@ class XmlParser {
     while (position_ < text_.size()) {
       text_until_tag(open);
       if (position_ == text_.size()) break;
-      if (starts("<!--")) pass("-->", "comment");
-      else if (starts("<?")) pass("?>", "processing instruction");
-      else if (starts("<!")) here(0).fail("document types and CDATA sections are not read");
-      else if (starts("</")) close(open);
-      else if (start(open)) close_top(open);
+      if (starts("<!--"))
+        pass("-->", "comment");
+      else if (starts("<?"))
+        pass("?>", "processing instruction");
+      else if (starts("<!"))
+        here(0).fail("document types and CDATA sections are not read");
+      else if (starts("</"))
+        close(open);
+      else if (start(open))
+        close_top(open);
       if (open.size() > deepest) here(0).fail("elements are nested too deeply");
     }
     if (open.size() > 1)
@@ -185,7 +190,7 @@ class XmlParser {
           length = entity.size();
         }
       if (c == '&' && length == 1)
-        here(0).fail("attribute value " + in_quotes(raw) + " holds an unknown entity");
+        here(0).fail(std::string("attribute value ") + in_quotes(raw) + " holds an unknown entity");
       plain += c;
       raw.remove_prefix(length);
     }

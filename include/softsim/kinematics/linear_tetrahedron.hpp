@@ -28,7 +28,7 @@ struct LinearTetrahedron {
     for (int i = 0; i < 3; ++i) edges.col(i) = X[static_cast<std::size_t>(i) + 1] - X[0];
     const Mat3<double> c = cofactor(edges);
     const double det = edges.col(0).dot(c.col(0));
-    if (!(det > 0)) invalid("tetrahedron: volume " + to_text(det / 6) + " m^3 is not positive");
+    if (!(det > 0)) invalid(std::string("tetrahedron: volume ") + to_text(det / 6) + " m^3 is not positive");
     Data<double> data;
     for (int i = 0; i < 3; ++i) data.gradient[static_cast<std::size_t>(i)] = c.col(i) / det;
     data.volume = det / 6;
@@ -37,7 +37,9 @@ struct LinearTetrahedron {
 
   /// Rest volume, m^3.
   template <class T>
-  [[nodiscard]] static const T& volume(const Data<T>& data) { return data.volume; }
+  [[nodiscard]] static const T& volume(const Data<T>& data) {
+    return data.volume;
+  }
 
   /// F = I + grad u.
   template <class T>
@@ -64,7 +66,8 @@ struct LinearTetrahedron {
 
   /// B^T P: P g_i at corner i. The four parts sum to zero.
   template <class T>
-  [[nodiscard]] static Eigen::Matrix<T, 12, 1> pullback(const Data<T>& data, const Local<T, 4>&, const Mat3<T>& P) {
+  [[nodiscard]] static Eigen::Matrix<T, 12, 1> pullback(const Data<T>& data, const Local<T, 4>&,
+                                                        const Mat3<T>& P) {
     Eigen::Matrix<T, 12, 1> f;
     for (int i = 0; i < 3; ++i)
       f.template segment<3>(3 * i + 3) = P * data.gradient[static_cast<std::size_t>(i)];

@@ -7,16 +7,16 @@
 
 namespace softsim {
 
-/// Makes a `Material` of a law written as w(I1, I2, J). Derive `struct MyLaw : Isotropic<MyLaw>` and give it `density`,
-/// `first` and `second`; see `InvariantLaw`. All functions take F (3x3, any Eigen expression) over plain scalars or
-/// batches and never branch on its values.
+/// Makes a `Material` of a law written as w(I1, I2, J). Derive `struct MyLaw : Isotropic<MyLaw>` and give it
+/// `density`, `first` and `second`; see `InvariantLaw`. All functions take F (3x3, any Eigen expression) over
+/// plain scalars or batches and never branch on its values.
 template <class Law>
 class Isotropic {
  public:
   // What a law may sharpen by declaring the same name.
-  static constexpr bool depends_on_i2 = true;   ///< false: w2 and all its derivatives are zero
-  static constexpr bool depends_on_j = true;    ///< false: wJ and all its derivatives are zero
-  static constexpr bool linear_in_i1 = false;   ///< true: w11 = w12 = w1J = 0
+  static constexpr bool depends_on_i2 = true;  ///< false: w2 and all its derivatives are zero
+  static constexpr bool depends_on_j = true;   ///< false: wJ and all its derivatives are zero
+  static constexpr bool linear_in_i1 = false;  ///< true: w11 = w12 = w1J = 0
 
   /// psi(F), J/m^3.
   template <class Derived>

@@ -7,9 +7,9 @@
 
 namespace softsim {
 
-/// Small-strain elasticity: psi = mu eps : eps + lambda/2 (tr eps)^2 with eps = sym(F) - I. The one law that is not
-/// objective: a rigid rotation strains it. Its stress is P itself; there is no second Piola-Kirchhoff stress to tell
-/// apart from it.
+/// Small-strain elasticity: psi = mu eps : eps + lambda/2 (tr eps)^2 with eps = sym(F) - I. The one law that
+/// is not objective: a rigid rotation strains it. Its stress is P itself; there is no second Piola-Kirchhoff
+/// stress to tell apart from it.
 class LinearElastic : public LameLaw<LinearElastic> {
  public:
   /// psi(F), J/m^3.

@@ -9,10 +9,10 @@
 
 namespace softsim {
 
-/// Compressible Neo-Hookean: w = mu/2 (I1 - 3) - mu ln J + lambda/2 (ln J)^2 (Goulette & Chen 2015, Eq. 26 with
-/// C1 = mu/2, without which the rest shape is not free of stress).
-/// Defined for J > 0 only and infinitely stiff at J -> 0; for J <= 0 no function returns a finite number, which the
-/// line search of Newton's method steps back from and every solver reports.
+/// Compressible Neo-Hookean: w = mu/2 (I1 - 3) - mu ln J + lambda/2 (ln J)^2 (Goulette & Chen 2015, Eq. 26
+/// with C1 = mu/2, without which the rest shape is not free of stress). Defined for J > 0 only and infinitely
+/// stiff at J -> 0; for J <= 0 no function returns a finite number, which the line search of Newton's method
+/// steps back from and every solver reports.
 class NeoHookean : public Isotropic<NeoHookean>, public LameLaw<NeoHookean> {
  public:
   static constexpr bool depends_on_i2 = false, linear_in_i1 = true;

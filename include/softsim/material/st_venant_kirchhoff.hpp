@@ -8,9 +8,9 @@
 namespace softsim {
 
 /// St. Venant-Kirchhoff: psi = lambda/2 tr(E)^2 + mu tr(E^2), E = (C - I)/2, that is
-/// w = mu/4 (I1^2 - 2 I2 - 2 I1 + 3) + lambda/8 (I1 - 3)^2 (Goulette & Chen 2015, Table 1; below in I1 - 3 and I2 - 3).
-/// Defined for every F. It softens in compression (below a uniaxial stretch of 1/sqrt(3) at free sides) and does not
-/// resist inversion: use it for large rotations at moderate strain.
+/// w = mu/4 (I1^2 - 2 I2 - 2 I1 + 3) + lambda/8 (I1 - 3)^2 (Goulette & Chen 2015, Table 1; below in I1 - 3
+/// and I2 - 3). Defined for every F. It softens in compression (below a uniaxial stretch of 1/sqrt(3) at free
+/// sides) and does not resist inversion: use it for large rotations at moderate strain.
 class StVenantKirchhoff : public Isotropic<StVenantKirchhoff>, public LameLaw<StVenantKirchhoff> {
  public:
   static constexpr bool depends_on_j = false;

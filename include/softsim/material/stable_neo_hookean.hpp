@@ -7,9 +7,10 @@
 
 namespace softsim {
 
-/// Stable Neo-Hookean without its logarithm: w = mu/2 (I1 - 3) - mu (J - 1) + (lambda + mu)/2 (J - 1)^2, after Smith,
-/// de Goes, Kim 2018 ("Stable Neo-Hookean Flesh Simulation"), with the coefficients that make lambda and mu the Lame
-/// parameters of small strain. Defined for every F, inverted ones included, and cheap: no logarithm, no division.
+/// Stable Neo-Hookean without its logarithm: w = mu/2 (I1 - 3) - mu (J - 1) + (lambda + mu)/2 (J - 1)^2,
+/// after Smith, de Goes, Kim 2018 ("Stable Neo-Hookean Flesh Simulation"), with the coefficients that make
+/// lambda and mu the Lame parameters of small strain. Defined for every F, inverted ones included, and cheap:
+/// no logarithm, no division.
 class StableNeoHookean : public Isotropic<StableNeoHookean>, public LameLaw<StableNeoHookean> {
  public:
   static constexpr bool depends_on_i2 = false, linear_in_i1 = true;

@@ -40,8 +40,8 @@ inline std::int32_t grid_node(const std::array<int, 3>& cells, const std::array<
 inline std::size_t grid_node_count(double nx, double ny, double nz) {
   const double count = (nx + 1) * (ny + 1) * (nz + 1);
   if (count > static_cast<double>(std::numeric_limits<std::int32_t>::max()))
-    invalid("cells " + to_text(nx) + " x " + to_text(ny) + " x " + to_text(nz) + ": " + to_text(count) +
-            " nodes are more than 32-bit numbers can count");
+    invalid(std::string("cells ") + to_text(nx) + " x " + to_text(ny) + " x " + to_text(nz) + ": " +
+            to_text(count) + " nodes are more than 32-bit numbers can count");
   return static_cast<std::size_t>(count);
 }
 
@@ -92,7 +92,7 @@ inline std::array<double, 2> square_to_disc(double x, double y) {
 [[nodiscard]] inline TetrahedralMesh box_mesh(const std::array<int, 3>& cells, const Vec3<double>& lengths,
                                               const Vec3<double>& origin = Vec3<double>::Zero()) {
   for (int a = 0; a < 3; ++a) {
-    const std::string axis = "[" + std::to_string(a) + "]";
+    const std::string axis = std::string("[") + std::to_string(a) + "]";
     detail::check_count("cells" + axis, cells[static_cast<std::size_t>(a)]);
     detail::check_length("lengths" + axis, lengths[a]);
     if (!std::isfinite(origin[a])) invalid("origin" + axis + " " + to_text(origin[a]) + ": must be finite");

@@ -41,8 +41,10 @@ struct BoundingBox {
 
 /// Nodes within `fraction` of the mesh's extent from one of its sides.
 /// @throws std::invalid_argument if fraction is not in [0, 1]
-[[nodiscard]] inline std::vector<std::int32_t> nodes_near(const TetrahedralMesh& mesh, Side side, double fraction) {
-  if (!(fraction >= 0 && fraction <= 1)) invalid("depth " + to_text(fraction) + ": must lie in [0, 1]");
+[[nodiscard]] inline std::vector<std::int32_t> nodes_near(const TetrahedralMesh& mesh, Side side,
+                                                          double fraction) {
+  if (!(fraction >= 0 && fraction <= 1))
+    invalid(std::string("depth ") + to_text(fraction) + ": must lie in [0, 1]");
   const BoundingBox box = bounding_box(mesh);
   const int axis = static_cast<int>(side) / 2;
   const bool upper = static_cast<int>(side) % 2 == 1;
@@ -51,7 +53,8 @@ struct BoundingBox {
   std::vector<std::int32_t> nodes;
   for (std::size_t i = 0; i < mesh.points().size(); ++i) {
     const double x = mesh.points()[i][axis];
-    if ((upper ? box.upper[axis] - x : x - box.lower[axis]) <= depth) nodes.push_back(static_cast<std::int32_t>(i));
+    if ((upper ? box.upper[axis] - x : x - box.lower[axis]) <= depth)
+      nodes.push_back(static_cast<std::int32_t>(i));
   }
   return nodes;
 }

@@ -29,26 +29,29 @@ using Triangle = std::array<std::int32_t, 3>;
   return (b - a).dot((c - a).cross(d - a)) / 6;
 }
 
-/// A tetrahedral mesh that has been checked: all node numbers exist, every tetrahedron has four different nodes and
-/// a positive volume, and every node belongs to a tetrahedron.
+/// A tetrahedral mesh that has been checked: all node numbers exist, every tetrahedron has four different
+/// nodes and a positive volume, and every node belongs to a tetrahedron.
 class TetrahedralMesh {
  public:
   /// @param points node positions in m
   /// @param tetrahedra node numbers, positively oriented
   /// @param region one number per tetrahedron (a file's physical group, an organ's tissue); empty means all 0
   /// Nodes that no tetrahedron uses are dropped, the rest keep their order; `warnings()` says how many.
-  /// @throws std::invalid_argument naming the node or tetrahedron: no tetrahedra, coordinates that are not finite,
-  ///   node numbers out of range or repeated, inverted or degenerate tetrahedra, a region list of another length
+  /// @throws std::invalid_argument naming the node or tetrahedron: no tetrahedra, coordinates that are not
+  /// finite,
+  ///   node numbers out of range or repeated, inverted or degenerate tetrahedra, a region list of another
+  ///   length
   TetrahedralMesh(std::vector<Vec3<double>> points, std::vector<Tetrahedron> tetrahedra,
                   std::vector<int> region = {})
       : points_(std::move(points)), tetrahedra_(std::move(tetrahedra)), region_(std::move(region)) {
     if (tetrahedra_.empty()) invalid("mesh: no tetrahedra");
     if (region_.empty()) region_.assign(tetrahedra_.size(), 0);
     if (region_.size() != tetrahedra_.size())
-      invalid("mesh: " + std::to_string(region_.size()) + " region numbers for " +
+      invalid(std::string("mesh: ") + std::to_string(region_.size()) + " region numbers for " +
               std::to_string(tetrahedra_.size()) + " tetrahedra");
     for (std::size_t i = 0; i < points_.size(); ++i)
-      if (!points_[i].allFinite()) invalid("node " + std::to_string(i) + ": a coordinate is not a finite number");
+      if (!points_[i].allFinite())
+        invalid(std::string("node ") + std::to_string(i) + ": a coordinate is not a finite number");
     for (std::size_t t = 0; t < tetrahedra_.size(); ++t) check(t);
     drop_unused_nodes();
   }
@@ -80,7 +83,7 @@ class TetrahedralMesh {
   const Vec3<double>& point(std::int32_t i) const { return points_[static_cast<std::size_t>(i)]; }
 
   void check(std::size_t t) const {
-    const std::string name = "tetrahedron " + std::to_string(t);
+    const std::string name = std::string("tetrahedron ") + std::to_string(t);
     const Tetrahedron& v = tetrahedra_[t];
     for (std::size_t a = 0; a < 4; ++a) {
       if (v[a] < 0 || static_cast<std::size_t>(v[a]) >= points_.size())
@@ -93,10 +96,11 @@ class TetrahedralMesh {
     for (std::size_t a = 0; a < 4; ++a)
       for (std::size_t b = 0; b < a; ++b) longest = std::max(longest, (point(v[a]) - point(v[b])).norm());
     const double V = volume(t);
-    // Rounding of the coordinates alone moves the volume by about 1e-16 longest^3; four digits above that no shape
-    // function gradient could be trusted.
+    // Rounding of the coordinates alone moves the volume by about 1e-16 longest^3; four digits above that no
+    // shape function gradient could be trusted.
     if (std::abs(V) <= 1e-12 * longest * longest * longest)
-      invalid(name + ": degenerate, volume " + to_text(V) + " m^3 at longest edge " + to_text(longest) + " m");
+      invalid(name + ": degenerate, volume " + to_text(V) + " m^3 at longest edge " + to_text(longest) +
+              " m");
     if (V < 0) invalid(name + ": inverted, volume " + to_text(V) + " m^3 is not positive");
   }
 

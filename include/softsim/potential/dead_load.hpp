@@ -30,8 +30,9 @@ class DeadLoad {
   /// @throws std::invalid_argument if the point does not exist or the force is not finite
   DeadLoad& add(std::int32_t point, const Vec3<double>& f) {
     if (point < 0 || point >= force_.size() / block_stride)
-      invalid("load on node " + std::to_string(point) + ": out of range");
-    if (!f.allFinite()) invalid("load on node " + std::to_string(point) + ": not a finite force");
+      invalid(std::string("load on node ") + std::to_string(point) + ": out of range");
+    if (!f.allFinite())
+      invalid(std::string("load on node ") + std::to_string(point) + ": not a finite force");
     block(force_, point) += f.template cast<T>();
     return *this;
   }
@@ -58,18 +59,21 @@ class DeadLoad {
   Vector<T> force_;
 };
 
-/// Weight of a body: a quarter of each tetrahedron's rho V g on each of its corners, exact for linear tetrahedra.
+/// Weight of a body: a quarter of each tetrahedron's rho V g on each of its corners, exact for linear
+/// tetrahedra.
 /// @param density one value in kg/m^3, or one per tetrahedron
 /// @param g acceleration in m/s^2
 /// @throws std::invalid_argument unless every density is positive and finite
 template <class T = double>
-[[nodiscard]] DeadLoad<T> gravity(const TetrahedralMesh& mesh, const std::vector<double>& density, const Vec3<double>& g) {
+[[nodiscard]] DeadLoad<T> gravity(const TetrahedralMesh& mesh, const std::vector<double>& density,
+                                  const Vec3<double>& g) {
   DeadLoad<T> load(mesh.points().size());
   if (density.size() != mesh.tetrahedra().size())
-    invalid("gravity: " + std::to_string(density.size()) + " densities for " + std::to_string(mesh.tetrahedra().size()) +
-            " tetrahedra");
+    invalid(std::string("gravity: ") + std::to_string(density.size()) + " densities for " +
+            std::to_string(mesh.tetrahedra().size()) + " tetrahedra");
   for (std::size_t t = 0; t < mesh.tetrahedra().size(); ++t) {
-    if (!(density[t] > 0) || !(density[t] <= 1e300)) invalid("density " + to_text(density[t]) + " kg/m^3: must be positive and finite");
+    if (!(density[t] > 0) || !(density[t] <= 1e300))
+      invalid(std::string("density ") + to_text(density[t]) + " kg/m^3: must be positive and finite");
     for (const std::int32_t i : mesh.tetrahedra()[t]) load.add(i, density[t] * mesh.volume(t) / 4 * g);
   }
   return load;

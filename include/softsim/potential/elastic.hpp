@@ -17,7 +17,7 @@ namespace softsim {
 
 /// Elastic energy of one integration point: V psi(F), with any kinematics and any material.
 template <class K, class M>
-  requires Kinematics<K> && Material<M>
+requires Kinematics<K> && Material<M>
 struct Elastic {
   static constexpr int points = K::points;
   template <class T>
@@ -33,7 +33,8 @@ struct Elastic {
 
   /// V B^T P(F), N.
   template <class T>
-  [[nodiscard]] Eigen::Matrix<T, 3 * points, 1> gradient(const Data<T>& data, const Local<T, points>& u) const {
+  [[nodiscard]] Eigen::Matrix<T, 3 * points, 1> gradient(const Data<T>& data,
+                                                         const Local<T, points>& u) const {
     Mat3<T> P = material.first_piola(K::deformation_gradient(data, u));
     P *= K::volume(data);
     return K::pullback(data, u, P);
@@ -41,8 +42,8 @@ struct Elastic {
 
   /// V B^T dP(F; B du), and the geometric product where F is not linear in the unknowns.
   template <class T>
-  [[nodiscard]] Eigen::Matrix<T, 3 * points, 1> hessian_product(const Data<T>& data, const Local<T, points>& u,
-                                                                const Eigen::Matrix<T, 3 * points, 1>& du) const {
+  [[nodiscard]] Eigen::Matrix<T, 3 * points, 1> hessian_product(
+      const Data<T>& data, const Local<T, points>& u, const Eigen::Matrix<T, 3 * points, 1>& du) const {
     const Mat3<T> F = K::deformation_gradient(data, u);
     Mat3<T> dP = material.first_piola_differential(F, K::deformation_gradient_differential(data, u, du));
     dP *= K::volume(data);
@@ -60,15 +61,16 @@ struct Elastic {
 template <class M, class T = double, int N = default_lanes<T>>
 using ElasticTetrahedra = Elements<Elastic<LinearTetrahedron, M>, T, N>;
 
-/// Elastic energy of `mesh` with one of `materials` per tetrahedron; `material_index` chooses it and may be empty if there
-/// is one material only.
+/// Elastic energy of `mesh` with one of `materials` per tetrahedron; `material_index` chooses it and may be
+/// empty if there is one material only.
 /// @throws std::invalid_argument for an index out of range or a list of the wrong length
 template <class T = double, int N = default_lanes<T>, class M>
 [[nodiscard]] ElasticTetrahedra<M, T, N> elastic(const TetrahedralMesh& mesh, const std::vector<M>& materials,
                                                  const std::vector<std::int32_t>& material_index = {}) {
   if (materials.empty()) invalid("elastic: no material");
   if (material_index.empty() && materials.size() > 1)
-    invalid("elastic: " + std::to_string(materials.size()) + " materials need an index per tetrahedron");
+    invalid(std::string("elastic: ") + std::to_string(materials.size()) +
+            " materials need an index per tetrahedron");
   std::vector<LinearTetrahedron::Data<double>> data;
   data.reserve(mesh.tetrahedra().size());
   for (const Tetrahedron& v : mesh.tetrahedra()) {
@@ -83,7 +85,7 @@ template <class T = double, int N = default_lanes<T>, class M>
 
 /// Elastic energy of `mesh` made of one material.
 template <class T = double, int N = default_lanes<T>, class M>
-  requires Material<M>
+requires Material<M>
 [[nodiscard]] ElasticTetrahedra<M, T, N> elastic(const TetrahedralMesh& mesh, const M& material) {
   return elastic<T, N>(mesh, std::vector<M>{material});
 }

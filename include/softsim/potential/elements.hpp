@@ -17,9 +17,9 @@
 
 namespace softsim {
 
-/// A set of like stencils, evaluated N at a time on SIMD lanes (N = 1: one at a time): the only place that gathers
-/// unknowns and scatters forces. Stencils are sorted by model, so that every chunk of N shares its parameters; lanes
-/// left over at the end of a model's run repeat a real stencil and are not scattered.
+/// A set of like stencils, evaluated N at a time on SIMD lanes (N = 1: one at a time): the only place that
+/// gathers unknowns and scatters forces. Stencils are sorted by model, so that every chunk of N shares its
+/// parameters; lanes left over at the end of a model's run repeat a real stencil and are not scattered.
 /// Models `ForceTerm`, and `Potential` where E has an energy. T is float or double.
 template <class E, class T = double, int N = default_lanes<T>>
 class Elements {
@@ -49,16 +49,17 @@ class Elements {
            const std::vector<std::int32_t>& model_index = {})
       : models_(std::move(models)) {
     if (data.size() != stencils.size())
-      invalid("elements: " + std::to_string(data.size()) + " rest data for " + std::to_string(stencils.size()) + " stencils");
+      invalid(std::string("elements: ") + std::to_string(data.size()) + " rest data for " +
+              std::to_string(stencils.size()) + " stencils");
     if (!model_index.empty() && model_index.size() != stencils.size())
-      invalid("elements: " + std::to_string(model_index.size()) + " material indices for " +
+      invalid(std::string("elements: ") + std::to_string(model_index.size()) + " material indices for " +
               std::to_string(stencils.size()) + " elements");
     std::vector<std::vector<std::size_t>> members(models_.size());
     for (std::size_t e = 0; e < stencils.size(); ++e) {
       const std::int32_t m = model_index.empty() ? 0 : model_index[e];
       if (m < 0 || static_cast<std::size_t>(m) >= models_.size())
-        invalid("element " + std::to_string(e) + ": material index " + std::to_string(m) + " is out of range (there are " +
-                std::to_string(models_.size()) + " materials)");
+        invalid(std::string("element ") + std::to_string(e) + ": material index " + std::to_string(m) +
+                " is out of range (there are " + std::to_string(models_.size()) + " materials)");
       members[static_cast<std::size_t>(m)].push_back(e);
     }
     for (std::size_t m = 0; m < models_.size(); ++m) add_run(m, members[m], data, stencils);
@@ -68,9 +69,7 @@ class Elements {
   [[nodiscard]] std::size_t size() const { return size_; }
 
   /// Sum of the energies in J, accumulated in double in fixed order.
-  [[nodiscard]] double energy(const State<T>& q) const
-    requires LocalPotential<E, Value>
-  {
+  [[nodiscard]] double energy(const State<T>& q) const requires LocalPotential<E, Value> {
     double sum = 0;
     for_each_chunk([&](const E& model, const Chunk& chunk, int count) {
       const Value w = model.energy(chunk.data, gather(chunk, q.displacement));
@@ -91,7 +90,8 @@ class Elements {
     for_each_chunk([&](const E& model, const Chunk& chunk, int count) {
       const Unknowns<E, Value> u = gather(chunk, q.displacement), du = gather(chunk, d);
       Tangent<E, Value> increment;
-      for (int i = 0; i < blocks; ++i) increment.template segment<3>(3 * i) = du.points[static_cast<std::size_t>(i)];
+      for (int i = 0; i < blocks; ++i)
+        increment.template segment<3>(3 * i) = du.points[static_cast<std::size_t>(i)];
       scatter(chunk, count, model.hessian_product(chunk.data, u, increment), y);
     });
   }
@@ -108,8 +108,9 @@ class Elements {
     });
   }
 
-  /// Adds scale times each stencil's Hessian to 3x3 blocks (nine scalars each, column-major). `positions` holds, stencil by
-  /// stencil in storage order, the block numbers of (0,0), (0,1), ... row-major; -1 leaves a block out.
+  /// Adds scale times each stencil's Hessian to 3x3 blocks (nine scalars each, column-major). `positions`
+  /// holds, stencil by stencil in storage order, the block numbers of (0,0), (0,1), ... row-major; -1 leaves
+  /// a block out.
   void add_blocks(const State<T>& q, T scale, const std::vector<std::int32_t>& positions, T* values) const {
     const std::int32_t* position = positions.data();
     for_each_chunk([&](const E& model, const Chunk& chunk, int count) {
@@ -140,7 +141,8 @@ class Elements {
                const std::vector<Stencil>& stencils) {
     if (members.empty()) return;
     constexpr std::size_t n = static_cast<std::size_t>(N), numbers = sizeof(RestData) / sizeof(double);
-    static_assert(sizeof(typename E::template Data<Value>) == numbers * sizeof(Value), "Data<T> may hold scalars T only");
+    static_assert(sizeof(typename E::template Data<Value>) == numbers * sizeof(Value),
+                  "Data<T> may hold scalars T only");
     const std::size_t first = chunks_.size(), count = (members.size() + n - 1) / n;
     chunks_.resize(first + count);
     for (std::size_t k = 0; k < count * n; ++k) {
@@ -150,7 +152,8 @@ class Elements {
       std::memcpy(rest.data(), &data[e], sizeof(RestData));
       std::array<Value, numbers> lanes;
       std::memcpy(static_cast<void*>(lanes.data()), &chunk.data, sizeof(lanes));
-      for (std::size_t i = 0; i < numbers; ++i) set_lane(lanes[i], static_cast<int>(k % n), static_cast<T>(rest[i]));
+      for (std::size_t i = 0; i < numbers; ++i)
+        set_lane(lanes[i], static_cast<int>(k % n), static_cast<T>(rest[i]));
       std::memcpy(static_cast<void*>(&chunk.data), lanes.data(), sizeof(lanes));
       for (std::size_t i = 0; i < blocks; ++i) chunk.ids[i][k % n] = stencils[e][i];
     }
@@ -180,9 +183,10 @@ class Elements {
     }
   }
 
-  // Adds the three scalars of every row block of one Hessian column at stride 9 positions; `position` points to the
-  // column's block in row 0 of the first stencil.
-  static void add_column(const Tangent<E, Value>& column, int count, const std::int32_t* position, T* values) {
+  // Adds the three scalars of every row block of one Hessian column at stride 9 positions; `position` points
+  // to the column's block in row 0 of the first stencil.
+  static void add_column(const Tangent<E, Value>& column, int count, const std::int32_t* position,
+                         T* values) {
     alignas(64) T scratch[3 * blocks][N];
     std::memcpy(scratch, static_cast<const void*>(column.data()), sizeof(scratch));
     for (int l = 0; l < count; ++l)

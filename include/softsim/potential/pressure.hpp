@@ -14,11 +14,11 @@
 
 namespace softsim {
 
-/// Follower pressure on one triangle: the force -p n da of the deformed triangle, a third on each corner. n is the outward
-/// normal, so that p > 0 pushes inwards.
-/// A pressure has an energy only on a closed surface or on a patch whose rim is held. `hessian_product` is the symmetric
-/// part of the load's derivative, which is all of it there; elsewhere Newton's method still finds the equilibrium, with
-/// conjugate gradients, but not quadratically.
+/// Follower pressure on one triangle: the force -p n da of the deformed triangle, a third on each corner. n
+/// is the outward normal, so that p > 0 pushes inwards. A pressure has an energy only on a closed surface or
+/// on a patch whose rim is held. `hessian_product` is the symmetric part of the load's derivative, which is
+/// all of it there; elsewhere Newton's method still finds the equilibrium, with conjugate gradients, but not
+/// quadratically.
 struct FollowerPressure {
   static constexpr int points = 3;
   static constexpr bool external = true;
@@ -41,8 +41,9 @@ struct FollowerPressure {
     return g;
   }
 
-  /// Symmetric part of the derivative. With N = sum_j dx_j x e_j, e_j the edge opposite corner j taken against the
-  /// turn, the derivative's block (i, j) is -p/6 [e_j]x and its symmetric part p/12 ([e_i]x - [e_j]x).
+  /// Symmetric part of the derivative. With N = sum_j dx_j x e_j, e_j the edge opposite corner j taken
+  /// against the turn, the derivative's block (i, j) is -p/6 [e_j]x and its symmetric part p/12 ([e_i]x -
+  /// [e_j]x).
   template <class T>
   [[nodiscard]] Eigen::Matrix<T, 9, 1> hessian_product(const Data<T>& data, const Local<T, 3>& u,
                                                        const Eigen::Matrix<T, 9, 1>& du) const {
@@ -69,19 +70,23 @@ struct FollowerPressure {
 
 /// Follower pressure on triangles of a mesh's boundary (see `boundary_triangles`).
 /// @param pressure Pa, positive pushes inwards
-/// @throws std::invalid_argument if there is no triangle, one names a node that does not exist, or p is not finite
+/// @throws std::invalid_argument if there is no triangle, one names a node that does not exist, or p is not
+/// finite
 template <class T = double, int N = default_lanes<T>>
-[[nodiscard]] Elements<FollowerPressure, T, N> pressure(const TetrahedralMesh& mesh, const std::vector<Triangle>& triangles,
+[[nodiscard]] Elements<FollowerPressure, T, N> pressure(const TetrahedralMesh& mesh,
+                                                        const std::vector<Triangle>& triangles,
                                                         double pressure) {
   if (triangles.empty()) invalid("pressure: no triangle to act on");
-  if (!(std::abs(pressure) <= 1e300)) invalid("pressure " + to_text(pressure) + " Pa: must be finite");
+  if (!(std::abs(pressure) <= 1e300))
+    invalid(std::string("pressure ") + to_text(pressure) + " Pa: must be finite");
   std::vector<FollowerPressure::Data<double>> data;
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     FollowerPressure::Data<double> d;
     for (std::size_t i = 0; i < 3; ++i) {
       const std::int32_t node = triangles[t][i];
       if (node < 0 || static_cast<std::size_t>(node) >= mesh.points().size())
-        invalid("pressure on triangle " + std::to_string(t) + ": node " + std::to_string(node) + " is out of range");
+        invalid(std::string("pressure on triangle ") + std::to_string(t) + ": node " + std::to_string(node) +
+                " is out of range");
       d.X[i] = mesh.points()[static_cast<std::size_t>(node)];
     }
     data.push_back(d);

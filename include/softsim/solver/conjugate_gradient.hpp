@@ -20,12 +20,14 @@ struct ConjugateGradient {
   int max_iterations = 10000;
   double tolerance = 1e-6;  ///< on |b - A x| / |b|
 
-  /// Solves A x = b from the x given. Ends early, with the x reached so far and `indefinite` set, at a direction p with
-  /// p . A p <= 0: x is then still a descent direction of x . A x / 2 - b . x.
+  /// Solves A x = b from the x given. Ends early, with the x reached so far and `indefinite` set, at a
+  /// direction p with p . A p <= 0: x is then still a descent direction of x . A x / 2 - b . x.
   template <class T, class A, class B>
-    requires LinearOperator<A, T> && Preconditioner<B, T>
-  LinearReport solve(const A& a, const B& preconditioner, const Vector<T>& b, Vector<T>& x,
-                     ConjugateGradientWorkspace<T>& w) const {
+  requires LinearOperator<A, T> && Preconditioner<B, T> LinearReport solve(const A& a,
+                                                                           const B& preconditioner,
+                                                                           const Vector<T>& b, Vector<T>& x,
+                                                                           ConjugateGradientWorkspace<T>& w)
+  const {
     LinearReport report;
     w.r.resize(b.size());
     w.z.resize(b.size());

@@ -19,16 +19,17 @@ namespace softsim {
 /// Options of `Newton`.
 struct NewtonOptions {
   int max_iterations = 200;
-  double tolerance = 1e-6;            ///< on |residual| over the norm that IncrementalPotential::gradient returns
-  ConjugateGradient linear = {};      ///< its tolerance is replaced by a forcing term in every iteration but a single one
-  int max_halvings = 30;              ///< of the step, in the line search
+  double tolerance = 1e-6;  ///< on |residual| over the norm that IncrementalPotential::gradient returns
+  ConjugateGradient linear =
+      {};                 ///< its tolerance is replaced by a forcing term in every iteration but a single one
+  int max_halvings = 30;  ///< of the step, in the line search
 };
 
-/// Minimises an incremental potential by Newton's method with conjugate gradients and a backtracking line search. The linear
-/// systems are solved only as far as the residual warrants (inexact Newton); a direction of negative curvature ends
-/// a linear solve and leaves a descent direction. Prescribed components that are not in place yet move with the
-/// linearised system, so that a large prescribed displacement does not crush the elements next to it.
-/// Holds its work vectors: after the first solve of a system nothing is allocated.
+/// Minimises an incremental potential by Newton's method with conjugate gradients and a backtracking line
+/// search. The linear systems are solved only as far as the residual warrants (inexact Newton); a direction
+/// of negative curvature ends a linear solve and leaves a descent direction. Prescribed components that are
+/// not in place yet move with the linearised system, so that a large prescribed displacement does not crush
+/// the elements next to it. Holds its work vectors: after the first solve of a system nothing is allocated.
 template <class S, class Operator = Assembled, template <class> class Preconditioner = BlockJacobi>
 class Newton {
  public:
@@ -37,8 +38,11 @@ class Newton {
   NewtonOptions options;
 
   explicit Newton(const NewtonOptions& options_ = {}) : options(options_) {
-    if (!(options.tolerance > 0)) invalid("tolerance " + to_text(options.tolerance) + ": must be positive");
-    if (options.max_iterations < 1) invalid("max_iterations " + std::to_string(options.max_iterations) + ": must be at least 1");
+    if (!(options.tolerance > 0))
+      invalid(std::string("tolerance ") + to_text(options.tolerance) + ": must be positive");
+    if (options.max_iterations < 1)
+      invalid(std::string("max_iterations ") + std::to_string(options.max_iterations) +
+              ": must be at least 1");
   }
 
   /// Moves q to a minimum of the potential. On failure q is the last finite iterate.
@@ -50,13 +54,15 @@ class Newton {
       const double residual = norm(r_);
       report.residual = residual == 0 ? 0 : residual / reference;
       if (!std::isfinite(residual)) return ended(report, Status::not_finite, "the residual is not finite");
-      if (pending == 0 && residual <= options.tolerance * reference) return ended(report, Status::converged, "");
+      if (pending == 0 && residual <= options.tolerance * reference)
+        return ended(report, Status::converged, "");
       if (report.newton_iterations == options.max_iterations)
         return ended(report, Status::not_converged, "Newton: too many iterations");
 
       ConjugateGradient linear = options.linear;
       const double relative = reference > 0 ? report.residual : 1;
-      linear.tolerance = std::clamp(relative, std::min(0.1, 0.3 * options.tolerance / std::max(relative, 1e-300)), 0.1);
+      linear.tolerance =
+          std::clamp(relative, std::min(0.1, 0.3 * options.tolerance / std::max(relative, 1e-300)), 0.1);
       x_.setZero(q.size());
       const LinearReport solved = solve(potential, q, pending, linear);
       report.linear_iterations += solved.iterations;
@@ -70,8 +76,8 @@ class Newton {
     }
   }
 
-  /// One linearised solve from q: the direction x of a full step, warm-started from the x given. Prescribed increments are
-  /// included. `tolerance` of the linear options applies.
+  /// One linearised solve from q: the direction x of a full step, warm-started from the x given. Prescribed
+  /// increments are included. `tolerance` of the linear options applies.
   LinearReport linear_step(const IncrementalPotential<S>& potential, const State<T>& q, Vector<T>& x) {
     potential.gradient(q, g_);
     const double pending = prepare(potential, q);
@@ -115,9 +121,10 @@ class Newton {
     return linear.solve(tangent_, preconditioner_, b_, x_, cg_);
   }
 
-  // Moves q along x_ and leaves the gradient there in g_. False if no decrease was found; q is unchanged then.
-  bool line_search(const IncrementalPotential<S>& potential, State<T>& q, double residual, bool prescribed_moves,
-                   double& reference) {
+  // Moves q along x_ and leaves the gradient there in g_. False if no decrease was found; q is unchanged
+  // then.
+  bool line_search(const IncrementalPotential<S>& potential, State<T>& q, double residual,
+                   bool prescribed_moves, double& reference) {
     const double slope = dot(r_, x_);
     double before = 0;
     if constexpr (S::conservative) before = potential.value(q);

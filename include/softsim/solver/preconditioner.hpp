@@ -44,8 +44,8 @@ class Jacobi {
   Vector<T> inverse_;
 };
 
-/// z_i = A_ii^-1 r_i with the 3x3 diagonal blocks A_ii. A block that is not positive definite (a tangent far from a minimum)
-/// is replaced by the absolute values of its diagonal.
+/// z_i = A_ii^-1 r_i with the 3x3 diagonal blocks A_ii. A block that is not positive definite (a tangent far
+/// from a minimum) is replaced by the absolute values of its diagonal.
 template <class T>
 class BlockJacobi {
  public:
@@ -78,7 +78,8 @@ class BlockJacobi {
     using Four = Batch<T, 4>;
     const T* p = inverse_.data();
     for (std::ptrdiff_t i = 0; i < r.size(); i += block_stride, p += 12)
-      (Four::load(p) * Four(r[i]) + Four::load(p + 4) * Four(r[i + 1]) + Four::load(p + 8) * Four(r[i + 2])).store(&z[i]);
+      (Four::load(p) * Four(r[i]) + Four::load(p + 4) * Four(r[i + 1]) + Four::load(p + 8) * Four(r[i + 2]))
+          .store(&z[i]);
   }
 
  private:

@@ -21,7 +21,8 @@ struct [[nodiscard]] StepReport {
   Status status = Status::not_converged;
   int newton_iterations = 0;
   int linear_iterations = 0;
-  double residual = 0;           ///< relative; of the equilibrium for Newton, of the linear solve for a linearised step
+  double residual =
+      0;  ///< relative; of the equilibrium for Newton, of the linear solve for a linearised step
   std::string_view reason = "";  ///< why it did not converge; empty if it did
 };
 

@@ -21,7 +21,8 @@ class BlockMatrix {
   BlockMatrix() = default;
 
   /// Zero matrix with room for the given (row, column) blocks; repeated ones count once.
-  BlockMatrix(std::size_t rows, std::vector<std::pair<std::int32_t, std::int32_t>> blocks) : row_start_(rows + 1, 0) {
+  BlockMatrix(std::size_t rows, std::vector<std::pair<std::int32_t, std::int32_t>> blocks)
+      : row_start_(rows + 1, 0) {
     std::sort(blocks.begin(), blocks.end());
     blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
     column_.reserve(blocks.size());
@@ -50,9 +51,13 @@ class BlockMatrix {
   [[nodiscard]] T* values() { return values_.data(); }
   [[nodiscard]] const T* values() const { return values_.data(); }
   /// Block at a position, writable.
-  [[nodiscard]] Eigen::Map<Mat3<T>> block(std::int32_t position) { return Eigen::Map<Mat3<T>>(values() + 9 * static_cast<std::ptrdiff_t>(position)); }
+  [[nodiscard]] Eigen::Map<Mat3<T>> block(std::int32_t position) {
+    return Eigen::Map<Mat3<T>>(values() + 9 * static_cast<std::ptrdiff_t>(position));
+  }
   /// Block at a position.
-  [[nodiscard]] Eigen::Map<const Mat3<T>> block(std::int32_t position) const { return Eigen::Map<const Mat3<T>>(values() + 9 * static_cast<std::ptrdiff_t>(position)); }
+  [[nodiscard]] Eigen::Map<const Mat3<T>> block(std::int32_t position) const {
+    return Eigen::Map<const Mat3<T>>(values() + 9 * static_cast<std::ptrdiff_t>(position));
+  }
   /// Sets all values to zero and keeps the pattern.
   void set_zero() { std::fill(values_.begin(), values_.end(), T(0)); }
 
@@ -63,8 +68,10 @@ class BlockMatrix {
     for (std::size_t i = 0; i + 1 < row_start_.size(); ++i) {
       Four sum(0);  // its fourth lane gathers the neighbouring scalar and is dropped
       for (std::int32_t k = row_start_[i]; k < row_start_[i + 1]; ++k, value += 9) {
-        const T* xj = x.data() + block_stride * static_cast<std::ptrdiff_t>(column_[static_cast<std::size_t>(k)]);
-        sum += Four::load(value) * Four(xj[0]) + Four::load(value + 3) * Four(xj[1]) + Four::load(value + 6) * Four(xj[2]);
+        const T* xj =
+            x.data() + block_stride * static_cast<std::ptrdiff_t>(column_[static_cast<std::size_t>(k)]);
+        sum += Four::load(value) * Four(xj[0]) + Four::load(value + 3) * Four(xj[1]) +
+               Four::load(value + 6) * Four(xj[2]);
       }
       T* yi = y.data() + block_stride * static_cast<std::ptrdiff_t>(i);
       sum.store(yi);
@@ -80,7 +87,8 @@ class BlockMatrix {
       for (std::int32_t k = row_start_[i]; k < row_start_[i + 1]; ++k)
         for (int b = 0; b < 3; ++b)
           for (int a = 0; a < 3; ++a)
-            entries.emplace_back(3 * static_cast<int>(i) + a, 3 * column_[static_cast<std::size_t>(k)] + b, block(k)(a, b));
+            entries.emplace_back(3 * static_cast<int>(i) + a, 3 * column_[static_cast<std::size_t>(k)] + b,
+                                 block(k)(a, b));
     Eigen::SparseMatrix<T> A(3 * static_cast<int>(rows()), 3 * static_cast<int>(rows()));
     A.setFromTriplets(entries.begin(), entries.end());
     return A;
@@ -95,7 +103,8 @@ class BlockMatrix {
 template <class T>
 [[nodiscard]] Vector<T> pack(const Vector<T>& v) {
   Vector<T> packed(v.size() / block_stride * 3);
-  for (std::ptrdiff_t i = 0; i < v.size() / block_stride; ++i) packed.template segment<3>(3 * i) = block(v, i);
+  for (std::ptrdiff_t i = 0; i < v.size() / block_stride; ++i)
+    packed.template segment<3>(3 * i) = block(v, i);
   return packed;
 }
 

@@ -17,10 +17,10 @@ namespace softsim {
 
 /// What is known of one deformed tetrahedron.
 struct ElementField {
-  double j;                    ///< det F, deformed over rest volume
-  double von_mises;            ///< of the Cauchy stress, Pa
-  Vec3<double> principal;      ///< principal Cauchy stresses, largest first, Pa
-  double energy_density;       ///< psi, J/m^3 of rest volume
+  double j;                ///< det F, deformed over rest volume
+  double von_mises;        ///< of the Cauchy stress, Pa
+  Vec3<double> principal;  ///< principal Cauchy stresses, largest first, Pa
+  double energy_density;   ///< psi, J/m^3 of rest volume
 };
 
 /// Cauchy stress sigma = P F^T / J, symmetrised (for a small-strain law it is symmetric to first order only).
@@ -34,10 +34,11 @@ struct ElementField {
   return std::sqrt(1.5 * double_dot(s, s));
 }
 
-/// Fields of every tetrahedron at q, in the order of the mesh; arguments as for `elastic`. Stresses of a tetrahedron whose
-/// F the law is not defined for (J <= 0 for Neo-Hookean) are NaN.
+/// Fields of every tetrahedron at q, in the order of the mesh; arguments as for `elastic`. Stresses of a
+/// tetrahedron whose F the law is not defined for (J <= 0 for Neo-Hookean) are NaN.
 template <class T, class M>
-[[nodiscard]] std::vector<ElementField> element_fields(const TetrahedralMesh& mesh, const std::vector<M>& materials,
+[[nodiscard]] std::vector<ElementField> element_fields(const TetrahedralMesh& mesh,
+                                                       const std::vector<M>& materials,
                                                        const std::vector<std::int32_t>& material_index,
                                                        const State<T>& q) {
   std::vector<ElementField> fields;
@@ -53,9 +54,11 @@ template <class T, class M>
     const M& material = materials[material_index.empty() ? 0 : static_cast<std::size_t>(material_index[t])];
     const Mat3<double> F = LinearTetrahedron::deformation_gradient(LinearTetrahedron::make(X), u);
     const Mat3<double> sigma = cauchy_stress(F, material.first_piola(F));
-    ElementField field{determinant(F), von_mises(sigma), Vec3<double>::Constant(std::nan("")), material.energy_density(F)};
+    ElementField field{determinant(F), von_mises(sigma), Vec3<double>::Constant(std::nan("")),
+                       material.energy_density(F)};
     if (sigma.allFinite())
-      field.principal = Eigen::SelfAdjointEigenSolver<Mat3<double>>(sigma, Eigen::EigenvaluesOnly).eigenvalues().reverse();
+      field.principal =
+          Eigen::SelfAdjointEigenSolver<Mat3<double>>(sigma, Eigen::EigenvaluesOnly).eigenvalues().reverse();
     fields.push_back(field);
   }
   return fields;

@@ -12,8 +12,8 @@ namespace softsim {
 
 /// What one backward Euler step of size h from (q_0, v_0) minimises, with d = difference(q_0, q):
 ///   E(q) + 1/(2 h^2) |d - h v_0|_M^2 + alpha/(2 h) |d|_M^2 + beta/(2 h) d . K(q_0) d,
-/// the last two being Rayleigh damping with the Hessian frozen at the start of the step. With h = 0 it stands for E(q)
-/// alone, a static problem. Its gradient is the residual of equilibrium.
+/// the last two being Rayleigh damping with the Hessian frozen at the start of the step. With h = 0 it stands
+/// for E(q) alone, a static problem. Its gradient is the residual of equilibrium.
 template <class S>
 class IncrementalPotential {
  public:
@@ -23,7 +23,9 @@ class IncrementalPotential {
   /// A static problem.
   void set_static(const S& system) { set(system, nullptr, nullptr, 0); }
   /// A step of size h > 0; q_0 and v_0 must stay alive and unchanged.
-  void set_step(const S& system, const State<T>& q_0, const Vector<T>& v_0, double h) { set(system, &q_0, &v_0, h); }
+  void set_step(const S& system, const State<T>& q_0, const Vector<T>& v_0, double h) {
+    set(system, &q_0, &v_0, h);
+  }
 
   [[nodiscard]] const S& system() const { return *system_; }
 
@@ -49,9 +51,9 @@ class IncrementalPotential {
     return sum + dot(d_, product_) / (2 * h_ * h_);
   }
 
-  /// Gradient at q, prescribed components included, N. Returns the norm that residuals are measured against: of the
-  /// external load on free components or, where there is none, the largest of inertial force, internal force and internal
-  /// force at the first call for this problem (which does not vanish on the way to rest).
+  /// Gradient at q, prescribed components included, N. Returns the norm that residuals are measured against:
+  /// of the external load on free components or, where there is none, the largest of inertial force, internal
+  /// force and internal force at the first call for this problem (which does not vanish on the way to rest).
   double gradient(const State<T>& q, Vector<T>& g) const {
     g.setZero(q.size());
     system_->add_gradient(q, g);
@@ -79,7 +81,8 @@ class IncrementalPotential {
   void linearise(const State<T>& q, Tangent& tangent) const {
     if (q_0_ == nullptr) return tangent.set(*system_, q, TangentWeights{});
     const auto& damping = system_->damping;
-    TangentWeights weights{.mass = 1 / (h_ * h_) + damping.alpha / h_, .stiffness = 1, .lagged = damping.beta / h_};
+    TangentWeights weights{
+        .mass = 1 / (h_ * h_) + damping.alpha / h_, .stiffness = 1, .lagged = damping.beta / h_};
     if (&q == q_0_ || q.displacement == q_0_->displacement) {
       weights.stiffness += weights.lagged;
       weights.lagged = 0;
@@ -96,8 +99,10 @@ class IncrementalPotential {
     initial_ = -1;
     d_.setZero(system.size());
     product_.setZero(system.size());
-    if (q_0 != nullptr) system.add_external_gradient(*q_0, product_);
-    else system.add_external_gradient(State<T>(system.rest().size()), product_);
+    if (q_0 != nullptr)
+      system.add_external_gradient(*q_0, product_);
+    else
+      system.add_external_gradient(State<T>(system.rest().size()), product_);
     system.prescribed.mask(product_);
     external_ = norm(product_);
     if (q_0 != nullptr) {

@@ -15,15 +15,16 @@
 
 namespace softsim {
 
-/// Mass matrix of points: a scalar m_ij times the 3x3 identity between points i and j. Lumped (diagonal: a quarter of each
-/// tetrahedron on each corner) or consistent (rho V/10 on the diagonal, rho V/20 beside it, the exact integral of
-/// linear shape functions).
+/// Mass matrix of points: a scalar m_ij times the 3x3 identity between points i and j. Lumped (diagonal: a
+/// quarter of each tetrahedron on each corner) or consistent (rho V/10 on the diagonal, rho V/20 beside it,
+/// the exact integral of linear shape functions).
 template <class T>
 class Mass {
  public:
   /// No mass on any of `points` points.
   explicit Mass(std::size_t points = 0)
-      : diagonal_(Vector<T>::Zero(block_stride * static_cast<std::ptrdiff_t>(points))), row_start_(points + 1, 0) {}
+      : diagonal_(Vector<T>::Zero(block_stride * static_cast<std::ptrdiff_t>(points))),
+        row_start_(points + 1, 0) {}
 
   /// Lumped mass.
   /// @param density kg/m^3, one per tetrahedron
@@ -44,15 +45,20 @@ class Mass {
   [[nodiscard]] static Mass consistent(const TetrahedralMesh& mesh, const std::vector<double>& density) {
     check(mesh, density);
     Mass mass(mesh.points().size());
-    struct Entry { std::int32_t row, column; double value; };
+    struct Entry {
+      std::int32_t row, column;
+      double value;
+    };
     std::vector<Entry> entries;
     entries.reserve(12 * density.size());
     for (std::size_t t = 0; t < density.size(); ++t) {
       const double m = density[t] * mesh.volume(t) / 20;
       for (const std::int32_t i : mesh.tetrahedra()[t])
         for (const std::int32_t j : mesh.tetrahedra()[t]) {
-          if (i == j) mass.add_diagonal(i, 2 * m);
-          else entries.push_back({i, j, m});
+          if (i == j)
+            mass.add_diagonal(i, 2 * m);
+          else
+            entries.push_back({i, j, m});
         }
     }
     std::stable_sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
@@ -60,7 +66,8 @@ class Mass {
     });
     std::vector<double> sums;
     for (std::size_t k = 0; k < entries.size(); ++k) {
-      const bool repeated = k > 0 && entries[k].row == entries[k - 1].row && entries[k].column == entries[k - 1].column;
+      const bool repeated =
+          k > 0 && entries[k].row == entries[k - 1].row && entries[k].column == entries[k - 1].column;
       if (repeated) {
         sums.back() += entries[k].value;
       } else {
@@ -88,7 +95,8 @@ class Mass {
   /// Sum of all entries, kg: the mass of the body.
   [[nodiscard]] double total() const {
     double sum = 0;
-    for (std::ptrdiff_t i = 0; i < diagonal_.size(); i += block_stride) sum += static_cast<double>(diagonal_[i]);
+    for (std::ptrdiff_t i = 0; i < diagonal_.size(); i += block_stride)
+      sum += static_cast<double>(diagonal_[i]);
     for (const T m : value_) sum += static_cast<double>(m);
     return sum;
   }
@@ -110,16 +118,18 @@ class Mass {
   void for_each_coupling(Function f) const {
     for (std::size_t i = 0; i + 1 < row_start_.size(); ++i)
       for (std::int32_t k = row_start_[i]; k < row_start_[i + 1]; ++k)
-        f(static_cast<std::int32_t>(i), column_[static_cast<std::size_t>(k)], value_[static_cast<std::size_t>(k)]);
+        f(static_cast<std::int32_t>(i), column_[static_cast<std::size_t>(k)],
+          value_[static_cast<std::size_t>(k)]);
   }
 
  private:
   static void check(const TetrahedralMesh& mesh, const std::vector<double>& density) {
     if (density.size() != mesh.tetrahedra().size())
-      invalid("mass: " + std::to_string(density.size()) + " densities for " +
+      invalid(std::string("mass: ") + std::to_string(density.size()) + " densities for " +
               std::to_string(mesh.tetrahedra().size()) + " tetrahedra");
     for (const double rho : density)
-      if (!(rho > 0) || !(rho <= 1e300)) invalid("density " + to_text(rho) + " kg/m^3: must be positive and finite");
+      if (!(rho > 0) || !(rho <= 1e300))
+        invalid(std::string("density ") + to_text(rho) + " kg/m^3: must be positive and finite");
   }
   void add_diagonal(std::int32_t i, double m) { block(diagonal_, i).array() += static_cast<T>(m); }
 

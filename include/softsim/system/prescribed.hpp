@@ -12,8 +12,8 @@
 
 namespace softsim {
 
-/// Which components of which points are prescribed, and the displacement that each has to reach by the end of the next step
-/// (or of the static solve). A fixed component is one prescribed to 0.
+/// Which components of which points are prescribed, and the displacement that each has to reach by the end of
+/// the next step (or of the static solve). A fixed component is one prescribed to 0.
 template <class T>
 class Prescribed {
  public:
@@ -31,7 +31,8 @@ class Prescribed {
   /// Prescribes one component (axis 0, 1 or 2) and leaves the others as they are.
   void set(std::int32_t point, int axis, double displacement) {
     const std::ptrdiff_t k = index(point, axis);
-    if (!(std::abs(displacement) <= 1e300)) invalid("node " + std::to_string(point) + ": prescribed displacement is not finite");
+    if (!(std::abs(displacement) <= 1e300))
+      invalid(std::string("node ") + std::to_string(point) + ": prescribed displacement is not finite");
     free_[k] = T(0);
     target_[k] = static_cast<T>(displacement);
   }
@@ -49,7 +50,9 @@ class Prescribed {
   /// Displacement to reach, m; meaningful where a component is prescribed.
   [[nodiscard]] const Vector<T>& target() const { return target_; }
   /// True if this component is prescribed.
-  [[nodiscard]] bool contains(std::int32_t point, int axis) const { return free_[index(point, axis)] == T(0); }
+  [[nodiscard]] bool contains(std::int32_t point, int axis) const {
+    return free_[index(point, axis)] == T(0);
+  }
 
   /// Zeroes the prescribed components of v.
   void mask(Vector<T>& v) const { v.array() *= free_.array(); }
@@ -63,8 +66,9 @@ class Prescribed {
 
  private:
   std::ptrdiff_t index(std::int32_t point, int axis) const {
-    if (point < 0 || point >= free_.size() / block_stride) invalid("prescribed node " + std::to_string(point) + ": out of range");
-    if (axis < 0 || axis > 2) invalid("axis " + std::to_string(axis) + ": must be 0, 1 or 2");
+    if (point < 0 || point >= free_.size() / block_stride)
+      invalid(std::string("prescribed node ") + std::to_string(point) + ": out of range");
+    if (axis < 0 || axis > 2) invalid(std::string("axis ") + std::to_string(axis) + ": must be 0, 1 or 2");
     return block_stride * static_cast<std::ptrdiff_t>(point) + axis;
   }
 

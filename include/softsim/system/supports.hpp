@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -16,9 +16,35 @@
 
 namespace softsim {
 
-/// Checks that no piece of the system can move as a rigid body: the six rigid motions of every connected piece must be
-/// stopped by its prescribed components (three nodes that are not in line, or as many rollers).
-/// @throws std::invalid_argument naming the first piece that is free to move and how many of its nodes are held
+namespace detail {
+
+using Matrix6 = std::array<std::array<double, 6>, 6>;
+
+// Smallest pivot of the symmetric positive semidefinite A under elimination with diagonal pivoting: 0 if A is
+// singular. (Eigen's eigenvalues of a 6x6 matrix would double the compile time of a small program.)
+inline double smallest_pivot(Matrix6 A) {
+  std::array<bool, 6> done{};
+  double smallest = A[0][0];
+  for (int step = 0; step < 6; ++step) {
+    std::size_t k = 6;
+    for (std::size_t i = 0; i < 6; ++i)
+      if (!done[i] && (k == 6 || A[i][i] > A[k][k])) k = i;
+    smallest = step == 0 ? A[k][k] : std::min(smallest, A[k][k]);
+    if (!(A[k][k] > 0)) return 0;
+    done[k] = true;
+    for (std::size_t i = 0; i < 6; ++i)
+      for (std::size_t j = 0; j < 6; ++j)
+        if (!done[i] && !done[j]) A[i][j] -= A[i][k] * A[k][j] / A[k][k];
+  }
+  return smallest;
+}
+
+}  // namespace detail
+
+/// Checks that no piece of the system can move as a rigid body: the six rigid motions of every connected
+/// piece must be stopped by its prescribed components (three nodes that are not in line, or as many rollers).
+/// @throws std::invalid_argument naming the first piece that is free to move and how many of its nodes are
+/// held
 template <class S>
 void require_supports(const S& system) {
   const std::size_t n = system.rest().size();
@@ -31,14 +57,15 @@ void require_supports(const S& system) {
   system.for_each_term([&](const auto& term) {
     if constexpr (std::decay_t<decltype(term)>::has_hessian)
       term.for_each_stencil([&](const auto& stencil) {
-        for (const std::int32_t i : stencil) parent[root(static_cast<std::size_t>(i))] = root(static_cast<std::size_t>(stencil[0]));
+        for (const std::int32_t i : stencil)
+          parent[root(static_cast<std::size_t>(i))] = root(static_cast<std::size_t>(stencil[0]));
       });
   });
   struct Piece {
     std::size_t nodes = 0, held = 0;
     Vec3<double> centre = Vec3<double>::Zero();
     double radius = 0;
-    Eigen::Matrix<double, 6, 6> gram = Eigen::Matrix<double, 6, 6>::Zero();
+    detail::Matrix6 gram{};
   };
   std::vector<Piece> pieces(n);
   for (std::size_t i = 0; i < n; ++i) {
@@ -57,26 +84,27 @@ void require_supports(const S& system) {
     for (int axis = 0; axis < 3; ++axis)
       if (system.prescribed.contains(static_cast<std::int32_t>(i), axis)) {
         held = true;
-        Eigen::Matrix<double, 6, 1> motion;  // this component of three translations and three rotations
-        motion << Vec3<double>::Unit(axis), x.cross(Vec3<double>::Unit(axis));
-        piece.gram += motion * motion.transpose();
+        // this component of three translations and three rotations
+        const Vec3<double> e = Vec3<double>::Unit(axis), r = x.cross(e);
+        const std::array<double, 6> motion{e[0], e[1], e[2], r[0], r[1], r[2]};
+        for (std::size_t a = 0; a < 6; ++a)
+          for (std::size_t b = 0; b < 6; ++b) piece.gram[a][b] += motion[a] * motion[b];
       }
     piece.held += held ? 1 : 0;
   }
   for (std::size_t i = 0, number = 0; i < n; ++i) {
     if (root(i) != i) continue;
     const Piece& piece = pieces[i];
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> eigen(piece.gram, Eigen::EigenvaluesOnly);
     const auto coordinate = [&](int axis) {
       const double x = piece.centre[axis];
       return to_text(std::abs(x) < 1e-9 * piece.radius ? 0 : x);
     };
-    // Nodes a thousandth of the piece's size out of line count as in line.
-    if (!(eigen.eigenvalues()[0] > 1e-8))
-      invalid("static solve: piece " + std::to_string(number) + " (" + std::to_string(piece.nodes) + " nodes, around " +
-              coordinate(0) + ", " + coordinate(1) + ", " + coordinate(2) +
-              ") is free to move: " + std::to_string(piece.held) + " of its nodes " + (piece.held == 1 ? "is" : "are") +
-              " held, and at least three that are not in line are needed");
+    // Nodes a ten-thousandth of the piece's size out of line count as in line.
+    if (detail::smallest_pivot(piece.gram) <= 1e-8)
+      invalid(std::string("static solve: piece ") + std::to_string(number) + " (" +
+              std::to_string(piece.nodes) + " nodes, around " + coordinate(0) + ", " + coordinate(1) + ", " +
+              coordinate(2) + ") is free to move: " + std::to_string(piece.held) + " of its nodes " +
+              (piece.held == 1 ? "is" : "are") + " held, and at least three that are not in line are needed");
     ++number;
   }
 }

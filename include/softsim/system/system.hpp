@@ -20,8 +20,8 @@ struct Rayleigh {
   double beta = 0;   ///< s
 };
 
-/// Force terms over one set of points, with mass, damping and prescribed components. Models `Potential` itself where all its
-/// terms do. The terms are public: a load may be changed between steps.
+/// Force terms over one set of points, with mass, damping and prescribed components. Models `Potential`
+/// itself where all its terms do. The terms are public: a load may be changed between steps.
 template <ForceTerm... Terms>
 class System {
  public:
@@ -38,17 +38,20 @@ class System {
 
   /// A system over the nodes of `mesh`.
   explicit System(const TetrahedralMesh& mesh, Terms... terms_)
-      : terms(std::move(terms_)...), prescribed(mesh.points().size()), mass(mesh.points().size()), rest_(mesh.points()) {}
+      : terms(std::move(terms_)...),
+        prescribed(mesh.points().size()),
+        mass(mesh.points().size()),
+        rest_(mesh.points()) {}
 
   /// Rest positions of the points, m.
   [[nodiscard]] const std::vector<Vec3<double>>& rest() const { return rest_; }
   /// Scalars in a flat vector of this system.
-  [[nodiscard]] std::ptrdiff_t size() const { return block_stride * static_cast<std::ptrdiff_t>(rest_.size()); }
+  [[nodiscard]] std::ptrdiff_t size() const {
+    return block_stride * static_cast<std::ptrdiff_t>(rest_.size());
+  }
 
   /// Sum of the terms' energies, J.
-  [[nodiscard]] double energy(const State<T>& q) const
-    requires(Potential<Terms> && ...)
-  {
+  [[nodiscard]] double energy(const State<T>& q) const requires(Potential<Terms>&&...) {
     return std::apply([&](const auto&... term) { return (term.energy(q) + ...); }, terms);
   }
   /// y += dE/dq: minus the sum of the forces, N.

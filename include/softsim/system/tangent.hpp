@@ -45,8 +45,8 @@ std::size_t stencil_count(const S& system) {
 
 // Adds scale K(q) block by block.
 template <class S, class T>
-void add_stiffness(const S& system, const State<T>& q, double scale, const std::vector<std::vector<std::int32_t>>& positions,
-                   T* values) {
+void add_stiffness(const S& system, const State<T>& q, double scale,
+                   const std::vector<std::vector<std::int32_t>>& positions, T* values) {
   std::size_t k = 0;
   system.for_each_term([&](const auto& term) {
     if constexpr (std::decay_t<decltype(term)>::has_hessian)
@@ -57,8 +57,8 @@ void add_stiffness(const S& system, const State<T>& q, double scale, const std::
 
 }  // namespace detail
 
-/// The tangent as an assembled matrix of 3x3 blocks: the pattern is made at the first `set`, later ones refill it. The
-/// faster choice where the same tangent multiplies more than a dozen times.
+/// The tangent as an assembled matrix of 3x3 blocks: the pattern is made at the first `set`, later ones
+/// refill it. The faster choice where the same tangent multiplies more than a dozen times.
 template <class S>
 class AssembledTangent {
  public:
@@ -71,11 +71,13 @@ class AssembledTangent {
       make_pattern(system);
     matrix_.set_zero();
     detail::add_stiffness(system, q, weights.stiffness, positions_, matrix_.values());
-    if (weights.lagged != 0) detail::add_stiffness(system, *q_0, weights.lagged, positions_, matrix_.values());
+    if (weights.lagged != 0)
+      detail::add_stiffness(system, *q_0, weights.lagged, positions_, matrix_.values());
     if (weights.mass != 0) {
       const T w = static_cast<T>(weights.mass);
       for (std::size_t i = 0; i < diagonal_.size(); ++i)
-        matrix_.block(diagonal_[i]).diagonal() += w * block(system.mass.diagonal(), static_cast<std::ptrdiff_t>(i));
+        matrix_.block(diagonal_[i]).diagonal() +=
+            w * block(system.mass.diagonal(), static_cast<std::ptrdiff_t>(i));
       std::size_t k = 0;
       system.mass.for_each_coupling([&](std::int32_t, std::int32_t, T m) {
         matrix_.block(mass_positions_[k++]).diagonal().array() += w * m;
@@ -104,7 +106,8 @@ class AssembledTangent {
     stencils_ = detail::stencil_count(system);
     const std::size_t n = system.rest().size();
     std::vector<std::pair<std::int32_t, std::int32_t>> blocks;
-    for (std::size_t i = 0; i < n; ++i) blocks.emplace_back(static_cast<std::int32_t>(i), static_cast<std::int32_t>(i));
+    for (std::size_t i = 0; i < n; ++i)
+      blocks.emplace_back(static_cast<std::int32_t>(i), static_cast<std::int32_t>(i));
     system.for_each_term([&](const auto& term) {
       if constexpr (std::decay_t<decltype(term)>::has_hessian)
         term.for_each_stencil([&](const auto& stencil) {
@@ -116,11 +119,14 @@ class AssembledTangent {
     matrix_ = BlockMatrix<T>(n, std::move(blocks));
     const auto position = [&](std::int32_t i, std::int32_t j) { return matrix_.position(i, j); };
     positions_.clear();
-    system.for_each_term([&](const auto& term) { positions_.push_back(detail::stencil_positions(term, position)); });
+    system.for_each_term(
+        [&](const auto& term) { positions_.push_back(detail::stencil_positions(term, position)); });
     diagonal_.clear();
-    for (std::size_t i = 0; i < n; ++i) diagonal_.push_back(position(static_cast<std::int32_t>(i), static_cast<std::int32_t>(i)));
+    for (std::size_t i = 0; i < n; ++i)
+      diagonal_.push_back(position(static_cast<std::int32_t>(i), static_cast<std::int32_t>(i)));
     mass_positions_.clear();
-    system.mass.for_each_coupling([&](std::int32_t i, std::int32_t j, T) { mass_positions_.push_back(position(i, j)); });
+    system.mass.for_each_coupling(
+        [&](std::int32_t i, std::int32_t j, T) { mass_positions_.push_back(position(i, j)); });
   }
 
   const S* system_ = nullptr;
@@ -143,7 +149,8 @@ class MatrixFreeTangent {
       stencils_ = detail::stencil_count(system);
       positions_.clear();
       system.for_each_term([&](const auto& term) {
-        positions_.push_back(detail::stencil_positions(term, [](std::int32_t i, std::int32_t j) { return i == j ? i : -1; }));
+        positions_.push_back(
+            detail::stencil_positions(term, [](std::int32_t i, std::int32_t j) { return i == j ? i : -1; }));
       });
     }
     q_ = &q;
@@ -165,7 +172,9 @@ class MatrixFreeTangent {
   void diagonal_blocks(std::vector<Mat3<T>>& blocks) const {
     blocks.resize(system_->rest().size());
     for (std::size_t i = 0; i < blocks.size(); ++i)
-      blocks[i] = static_cast<T>(weights_.mass) * block(system_->mass.diagonal(), static_cast<std::ptrdiff_t>(i)).asDiagonal().toDenseMatrix();
+      blocks[i] =
+          static_cast<T>(weights_.mass) *
+          block(system_->mass.diagonal(), static_cast<std::ptrdiff_t>(i)).asDiagonal().toDenseMatrix();
     T* values = blocks.front().data();
     detail::add_stiffness(*system_, *q_, weights_.stiffness, positions_, values);
     if (weights_.lagged != 0) detail::add_stiffness(*system_, *q_0_, weights_.lagged, positions_, values);
