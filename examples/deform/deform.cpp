@@ -60,7 +60,7 @@ Parameters parameters_by_region(const Options& o, const TetrahedralMesh& mesh) {
   std::map<int, std::int32_t> number;
   for (const auto& [id, set] : o.regions) {
     if (std::find(mesh.region().begin(), mesh.region().end(), id) == mesh.region().end())
-      invalid("--region " + std::to_string(id) + ": the mesh has no such region");
+      invalid(std::string("--region ") + std::to_string(id) + ": the mesh has no such region");
     number[id] = static_cast<std::int32_t>(p.sets.size());
     p.sets.push_back(set);
   }
@@ -77,7 +77,8 @@ void require_supports(const System& system, std::size_t fixed) {
   try {
     softsim::require_supports(system);
   } catch (const std::invalid_argument& error) {
-    invalid("--fix took " + std::to_string(fixed) + (fixed == 1 ? " node; " : " nodes; ") + error.what());
+    invalid(std::string("--fix took ") + std::to_string(fixed) + (fixed == 1 ? " node; " : " nodes; ") +
+            error.what());
   }
 }
 
@@ -114,17 +115,17 @@ void draw_picture(const std::string& folder, bool statics) {
 void prepare_folder(const std::string& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  if (error) invalid("--out " + folder + ": cannot be made (" + error.message() + ")");
+  if (error) invalid(std::string("--out ") + folder + ": cannot be made (" + error.message() + ")");
   for (const char* name : {"summary.json", "deform.pvd", "deform.png"})
     if (std::filesystem::is_directory(folder + "/" + name))
-      invalid("--out " + folder + ": " + name + " is a folder there");
+      invalid(std::string("--out ") + folder + ": " + name + " is a folder there");
   for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
     const std::string name = entry.path().filename().string();
     const bool frame = name.starts_with("deform_") && name.ends_with(".vtu");
     if (frame || name == "deform.pvd" || name == "deform.png" || name == "summary.json")
       std::filesystem::remove(entry.path(), error);
   }
-  if (error) invalid("--out " + folder + ": " + error.message());
+  if (error) invalid(std::string("--out ") + folder + ": " + error.message());
 }
 
 /// Everything that depends on the law: builds the system, steps or solves it, writes what comes out.
@@ -136,7 +137,7 @@ int run(const Options& o, const TetrahedralMesh& mesh) {
     try {
       laws.push_back(Law::from_young_poisson(p.young, p.poisson));
     } catch (const std::invalid_argument& error) {
-      invalid("--region " + std::to_string(id) + ": " + error.what());
+      invalid(std::string("--region ") + std::to_string(id) + ": " + error.what());
     }
   }
 
@@ -258,8 +259,8 @@ int run(const Options& o, const TetrahedralMesh& mesh) {
   if (summary.status == Status::converged) return 0;
   std::fprintf(stderr, "deform: %s%s: %s (residual %.2e, tolerance %.2e)\n",
                std::string(to_string(summary.status)).c_str(),
-               o.statics ? "" : (" in step " + std::to_string(summary.steps)).c_str(), summary.reason.c_str(),
-               summary.residual, o.tolerance);
+               o.statics ? "" : (std::string(" in step ") + std::to_string(summary.steps)).c_str(),
+               summary.reason.c_str(), summary.residual, o.tolerance);
   return 3;
 }
 

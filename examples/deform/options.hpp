@@ -119,7 +119,7 @@ Number number(const Argument& argument, std::string_view part) {
   Number value{};
   const char* end = part.data() + part.size();
   const auto [last, error] = std::from_chars(part.data(), end, value);
-  const std::string quoted_part = "'" + std::string(part) + "'";
+  const std::string quoted_part = std::string("'") + std::string(part) + "'";
   if (error == std::errc::result_out_of_range && last == end)
     argument.refuse(quoted_part + " is out of range");
   if (error != std::errc{} || last != end)
@@ -139,7 +139,8 @@ inline std::vector<double> numbers(const Argument& argument, std::string_view pa
   std::vector<double> values;
   for (const std::string_view piece : split(part, ',')) values.push_back(number<double>(argument, piece));
   if (values.size() < least || values.size() > most)
-    argument.refuse("needs " + std::to_string(least) + (most > least ? " or " + std::to_string(most) : "") +
+    argument.refuse(std::string("needs ") + std::to_string(least) +
+                    (most > least ? std::string(" or ") + std::to_string(most) : "") +
                     " numbers with commas between them");
   return values;
 }
@@ -166,7 +167,7 @@ inline std::pair<std::string_view, std::string_view> at_colon(const Argument& ar
 /// Which of two words.
 inline bool is_second(const Argument& argument, const std::string& first, const std::string& second) {
   if (argument.text != first && argument.text != second)
-    argument.refuse("must be " + first + " or " + second);
+    argument.refuse(std::string("must be ") + first + " or " + second);
   return argument.text == second;
 }
 
@@ -315,7 +316,8 @@ inline Options parse(const std::vector<std::string>& words) {
     if (region.density == 0) region.density = o.parameters.density;
   if (o.material != "svk" && o.material != "neo-hookean" && o.material != "stable-neo-hookean" &&
       o.material != "linear")
-    invalid("--material " + o.material + ": must be svk, neo-hookean, stable-neo-hookean or linear");
+    invalid(std::string("--material ") + o.material +
+            ": must be svk, neo-hookean, stable-neo-hookean or linear");
   const auto check = [](bool good, const std::string& what, double value, const std::string& why) {
     if (!good) invalid(what + " " + softsim::to_text(value) + ": " + why);
   };
@@ -330,7 +332,7 @@ inline Options parse(const std::vector<std::string>& words) {
   if (o.newton && o.semi_explicit) invalid("--newton: only backward-euler solves for its step");
   if (o.out.empty()) {
     const std::string name = o.mesh.empty() ? "organ" : o.mesh.substr(o.mesh.find_last_of('/') + 1);
-    o.out = "out/" + name.substr(0, name.find_last_of('.'));
+    o.out = std::string("out/") + name.substr(0, name.find_last_of('.'));
   }
   return o;
 }

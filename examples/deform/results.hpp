@@ -82,7 +82,7 @@ inline void write_summary(const std::string& path, const Summary& s, const std::
                           const std::string& material) {
   softsim::detail::AtomicFile file(path);
   file.write(
-      "{\n  \"mesh\": " + json_string(mesh) + ",\n  \"material\": " + json_string(material) +
+      std::string("{\n  \"mesh\": ") + json_string(mesh) + ",\n  \"material\": " + json_string(material) +
       ",\n  \"nodes\": " + std::to_string(s.nodes) + ",\n  \"tetrahedra\": " + std::to_string(s.tetrahedra) +
       ",\n  \"fixed_nodes\": " + std::to_string(s.fixed_nodes) + ",\n  \"volume\": " + json(s.volume) +
       ",\n  \"mass\": " + json(s.mass) +

@@ -16,8 +16,9 @@
 #include "softsim/potential/elastic.hpp"
 #include "softsim/system/system.hpp"
 
-// Every allocation of the program goes through the functions below, operator new and Eigen's included; they count while
-// asked to. The sanitizers bring their own, and only the GNU C library lets itself be wrapped like this.
+// Every allocation of the program goes through the functions below, operator new and Eigen's included; they
+// count while asked to. The sanitizers bring their own, and only the GNU C library lets itself be wrapped
+// like this.
 #if defined(__has_feature)
 #if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer) || __has_feature(memory_sanitizer)
 #define ALLOCATION_TEST_SKIPPED
@@ -112,7 +113,8 @@ class Allocations : public ::testing::Test {
   }
   template <class Operator, template <class> class Preconditioner>
   void expect_none_of_backward_euler() {
-    for (const bool newton : {false, true}) expect_none(BackwardEuler<System, Operator, Preconditioner>({.dt = 0.01, .newton = newton}));
+    for (const bool newton : {false, true})
+      expect_none(BackwardEuler<System, Operator, Preconditioner>({.dt = 0.01, .newton = newton}));
   }
 };
 
@@ -137,17 +139,29 @@ TEST_F(Allocations, NoneInStepsOfSemiExplicitEulerWithConsistentMass) {
   expect_none(softsim::SemiExplicitEuler<System>({.dt = 1e-4}));
 }
 
-TEST_F(Allocations, NoneInStepsWithAssembledBlockJacobi) { expect_none_of_backward_euler<softsim::Assembled, softsim::BlockJacobi>(); }
+TEST_F(Allocations, NoneInStepsWithAssembledBlockJacobi) {
+  expect_none_of_backward_euler<softsim::Assembled, softsim::BlockJacobi>();
+}
 
-TEST_F(Allocations, NoneInStepsWithAssembledJacobi) { expect_none_of_backward_euler<softsim::Assembled, softsim::Jacobi>(); }
+TEST_F(Allocations, NoneInStepsWithAssembledJacobi) {
+  expect_none_of_backward_euler<softsim::Assembled, softsim::Jacobi>();
+}
 
-TEST_F(Allocations, NoneInStepsWithAssembledAlone) { expect_none_of_backward_euler<softsim::Assembled, softsim::NoPreconditioner>(); }
+TEST_F(Allocations, NoneInStepsWithAssembledAlone) {
+  expect_none_of_backward_euler<softsim::Assembled, softsim::NoPreconditioner>();
+}
 
-TEST_F(Allocations, NoneInStepsWithMatrixFreeBlockJacobi) { expect_none_of_backward_euler<softsim::MatrixFree, softsim::BlockJacobi>(); }
+TEST_F(Allocations, NoneInStepsWithMatrixFreeBlockJacobi) {
+  expect_none_of_backward_euler<softsim::MatrixFree, softsim::BlockJacobi>();
+}
 
-TEST_F(Allocations, NoneInStepsWithMatrixFreeJacobi) { expect_none_of_backward_euler<softsim::MatrixFree, softsim::Jacobi>(); }
+TEST_F(Allocations, NoneInStepsWithMatrixFreeJacobi) {
+  expect_none_of_backward_euler<softsim::MatrixFree, softsim::Jacobi>();
+}
 
-TEST_F(Allocations, NoneInStepsWithMatrixFreeAlone) { expect_none_of_backward_euler<softsim::MatrixFree, softsim::NoPreconditioner>(); }
+TEST_F(Allocations, NoneInStepsWithMatrixFreeAlone) {
+  expect_none_of_backward_euler<softsim::MatrixFree, softsim::NoPreconditioner>();
+}
 
 TEST_F(Allocations, NoneInStepsWithAConsistentMass) {
   system.mass = softsim::Mass<double>::consistent(mesh, 1000);

@@ -20,8 +20,8 @@
 namespace {
 
 using bodies::Vec, bodies::refusal, bodies::relative_error;
-using softsim::BackwardEuler, softsim::Mass, softsim::Motion, softsim::State, softsim::Status, softsim::StepReport,
-    softsim::Vector, softsim::block;
+using softsim::BackwardEuler, softsim::Mass, softsim::Motion, softsim::State, softsim::Status,
+    softsim::StepReport, softsim::Vector, softsim::block;
 using System = softsim::System<softsim::ElasticTetrahedra<softsim::NeoHookean>, softsim::DeadLoad<double>>;
 using Euler = BackwardEuler<System>;
 
@@ -33,7 +33,8 @@ const double nan = std::numeric_limits<double>::quiet_NaN();
 // A cube of 1 kg, E = 100 Pa, held at z = 0 or free.
 System cube(const Vec& g, bool held = true) {
   const auto mesh = bodies::distorted_cube(2, 1);
-  System system(mesh, softsim::elastic(mesh, softsim::NeoHookean::from_young_poisson(100, 0.3)), softsim::gravity(mesh, 1, g));
+  System system(mesh, softsim::elastic(mesh, softsim::NeoHookean::from_young_poisson(100, 0.3)),
+                softsim::gravity(mesh, 1, g));
   system.mass = Mass<double>::lumped(mesh, 1);
   if (held) system.prescribed.fix(softsim::nodes_near(mesh, softsim::Side::zmin, 0));
   return system;
@@ -67,9 +68,11 @@ TEST(BackwardEuler, ConvergedStepFulfilsTheEquationOfMotion) {
   ASSERT_EQ(report.status, Status::converged);
   EXPECT_GT(report.newton_iterations, 1);
   EXPECT_EQ(motion.time, h);
-  EXPECT_LT(relative_error(motion.v, Vector<double>((motion.q.displacement - start.q.displacement) / h)), 1e-14);
+  EXPECT_LT(relative_error(motion.v, Vector<double>((motion.q.displacement - start.q.displacement) / h)),
+            1e-14);
   Vector<double> residual = mass_times(system, Vector<double>((motion.v - start.v) / h + alpha * motion.v)) +
-                            bodies::gradient(system, motion.q) + beta * bodies::hessian_product(system, start.q, motion.v);
+                            bodies::gradient(system, motion.q) +
+                            beta * bodies::hessian_product(system, start.q, motion.v);
   system.prescribed.mask(residual);
   EXPECT_LT(residual.norm(), 1e-9);
 }
@@ -135,8 +138,8 @@ TEST(BackwardEuler, NeverGainsEnergy) {
   EXPECT_LT(energy, 0.05 * start);
 }
 
-// Without a load outside there is nothing fixed to measure the residual against; a motion that dies out goes through
-// all sizes, and the energies of the smallest are below their own rounding.
+// Without a load outside there is nothing fixed to measure the residual against; a motion that dies out goes
+// through all sizes, and the energies of the smallest are below their own rounding.
 TEST(BackwardEuler, ConvergesForMotionsOfEverySize) {
   const System system = cube(Vec::Zero());
   for (const double scale : {1.0, 1e-2, 1e-4, 1e-6, 1e-8}) {
@@ -144,7 +147,8 @@ TEST(BackwardEuler, ConvergesForMotionsOfEverySize) {
     Euler euler({.dt = 0.02, .newton = true});
     for (int k = 0; k < 20; ++k) {
       const StepReport report = euler.step(system, motion);
-      ASSERT_EQ(report.status, Status::converged) << scale << " " << k << " " << report.reason << " " << report.residual;
+      ASSERT_EQ(report.status, Status::converged)
+          << scale << " " << k << " " << report.reason << " " << report.residual;
     }
   }
 }
@@ -234,7 +238,8 @@ TEST(BackwardEuler, SaysWhyItDidNotConverge) {
   EXPECT_TRUE(motion.q.displacement.allFinite());
 
   motion = random_motion(system);
-  report = Euler({.dt = 0.1, .newton = true, .tolerance = 1e-10, .max_newton_iterations = 1}).step(system, motion);
+  report =
+      Euler({.dt = 0.1, .newton = true, .tolerance = 1e-10, .max_newton_iterations = 1}).step(system, motion);
   EXPECT_EQ(report.status, Status::not_converged);
   EXPECT_EQ(report.reason, "Newton: too many iterations");
   EXPECT_EQ(report.newton_iterations, 1);

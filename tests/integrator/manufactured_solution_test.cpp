@@ -16,8 +16,8 @@
 #include "softsim/potential/elastic.hpp"
 #include "softsim/system/system.hpp"
 
-// A smooth displacement u on the unit cube is the solution for the body force b = -Div P(I + grad u) and its own values on the
-// boundary. Linear tetrahedra then miss it by O(h^2) in the L2 norm.
+// A smooth displacement u on the unit cube is the solution for the body force b = -Div P(I + grad u) and its
+// own values on the boundary. Linear tetrahedra then miss it by O(h^2) in the L2 norm.
 
 namespace {
 
@@ -48,7 +48,8 @@ Matrix deformation_gradient(const Vec& X) {
   return F;
 }
 
-// -Div P by eighth-order central differences: with the step 0.02 truncation and rounding are below 1e-10 of the value.
+// -Div P by eighth-order central differences: with the step 0.02 truncation and rounding are below 1e-10 of
+// the value.
 template <class Law>
 Vec body_force(const Law& law, const Vec& X) {
   constexpr double h = 0.02, weight[] = {4.0 / 5, -1.0 / 5, 4.0 / 105, -1.0 / 280};
@@ -56,20 +57,23 @@ Vec body_force(const Law& law, const Vec& X) {
   for (int axis = 0; axis < 3; ++axis)
     for (int k = 1; k <= 4; ++k) {
       const Vec step = k * h * Vec::Unit(axis);
-      const Matrix ahead = law.first_piola(deformation_gradient(X + step)), behind = law.first_piola(deformation_gradient(X - step));
+      const Matrix ahead = law.first_piola(deformation_gradient(X + step)),
+                   behind = law.first_piola(deformation_gradient(X - step));
       b -= weight[k - 1] / h * (ahead - behind).col(axis);
     }
   return b;
 }
 
-// Quadrature on a tetrahedron, exact for polynomials of degree 2: barycentric coordinates and equal weights 1/4.
+// Quadrature on a tetrahedron, exact for polynomials of degree 2: barycentric coordinates and equal weights
+// 1/4.
 constexpr double inner = 0.1381966011250105, outer = 0.5854101966249685;
 std::array<double, 4> barycentric(int point) {
   std::array<double, 4> b{inner, inner, inner, inner};
   b[static_cast<std::size_t>(point)] = outer;
   return b;
 }
-// The error varies within a tetrahedron (it is small at the nodes): its square is averaged over an even grid of 35 points.
+// The error varies within a tetrahedron (it is small at the nodes): its square is averaged over an even grid
+// of 35 points.
 template <class F>
 double mean_on_tetrahedron(F f) {
   double sum = 0;
@@ -105,7 +109,9 @@ double error_with(int n, const Law& law) {
     if (surface[i]) system.prescribed.set(static_cast<std::int32_t>(i), displacement(mesh.points()[i]));
   State<double> q(mesh.points().size());
   EXPECT_LT((deformation_gradient({0.3, 0.6, 0.8}).col(1) - Vec::UnitY() -
-             (displacement({0.3, 0.6001, 0.8}) - displacement({0.3, 0.5999, 0.8})) / 2e-4).norm(), 1e-6);
+             (displacement({0.3, 0.6001, 0.8}) - displacement({0.3, 0.5999, 0.8})) / 2e-4)
+                .norm(),
+            1e-6);
   const auto report = softsim::StaticSolver<decltype(system)>({.tolerance = 1e-8}).solve(system, q);
   EXPECT_EQ(report.status, Status::converged) << report.reason;
 

@@ -14,8 +14,8 @@
 #include "softsim/potential/elastic.hpp"
 #include "softsim/system/system.hpp"
 
-// Answers that other codes give to four digits or more: a cube of 0.1 m, 9^3 cells of six tetrahedra, Neo-Hookean with
-// E = 10 kPa and nu = 0.4, 1000 kg/m^3, held at one face, gravity 9.81 m/s^2 across it.
+// Answers that other codes give to four digits or more: a cube of 0.1 m, 9^3 cells of six tetrahedra,
+// Neo-Hookean with E = 10 kPa and nu = 0.4, 1000 kg/m^3, held at one face, gravity 9.81 m/s^2 across it.
 
 namespace {
 
@@ -33,7 +33,8 @@ System cube() {
 
 void expect_largest(const State<double>& q, double component, double norm) {
   double largest = 0;
-  for (std::ptrdiff_t i = 0; i < q.size() / softsim::block_stride; ++i) largest = std::max(largest, q.point(i).norm());
+  for (std::ptrdiff_t i = 0; i < q.size() / softsim::block_stride; ++i)
+    largest = std::max(largest, q.point(i).norm());
   // half a unit of the last digit given
   EXPECT_NEAR(q.displacement.cwiseAbs().maxCoeff(), component, 6e-7);
   EXPECT_NEAR(largest, norm, 6e-7);
@@ -55,8 +56,12 @@ void expect_after_twelve_steps(bool newton, double component, double norm) {
   expect_largest(motion.q, component, norm);
 }
 
-TEST(ReferenceAnswers, TwelveLinearisedStepsOfBackwardEuler) { expect_after_twelve_steps(false, 0.047574, 0.048793); }
+TEST(ReferenceAnswers, TwelveLinearisedStepsOfBackwardEuler) {
+  expect_after_twelve_steps(false, 0.047574, 0.048793);
+}
 
-TEST(ReferenceAnswers, TwelveConvergedStepsOfBackwardEuler) { expect_after_twelve_steps(true, 0.047745, 0.048962); }
+TEST(ReferenceAnswers, TwelveConvergedStepsOfBackwardEuler) {
+  expect_after_twelve_steps(true, 0.047745, 0.048962);
+}
 
 }  // namespace

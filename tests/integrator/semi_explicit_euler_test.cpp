@@ -27,19 +27,21 @@
 namespace {
 
 using bodies::Vec, bodies::refusal, bodies::relative_error;
-using softsim::Mass, softsim::Motion, softsim::SemiExplicitEuler, softsim::State, softsim::Status, softsim::TetrahedralMesh,
-    softsim::Vector, softsim::block;
+using softsim::Mass, softsim::Motion, softsim::SemiExplicitEuler, softsim::State, softsim::Status,
+    softsim::TetrahedralMesh, softsim::Vector, softsim::block;
 using System = softsim::System<softsim::ElasticTetrahedra<softsim::NeoHookean>, softsim::DeadLoad<double>>;
 
 static_assert(softsim::Integrator<SemiExplicitEuler<System>, System>);
-static_assert(!softsim::Integrator<System, System> && !softsim::Integrator<softsim::ConjugateGradient, System>);
+static_assert(!softsim::Integrator<System, System> &&
+              !softsim::Integrator<softsim::ConjugateGradient, System>);
 
 const double nan = std::numeric_limits<double>::quiet_NaN();
 
 // A free cube, E = 1000 Pa, 1 kg, 27 nodes: waves cross it in about 30 ms.
 System free_cube(const Vec& g = Vec::Zero(), bool lumped = true) {
   const TetrahedralMesh mesh = bodies::distorted_cube(2, 1);
-  System system(mesh, softsim::elastic(mesh, softsim::NeoHookean::from_young_poisson(1000, 0.3)), softsim::gravity(mesh, 1, g));
+  System system(mesh, softsim::elastic(mesh, softsim::NeoHookean::from_young_poisson(1000, 0.3)),
+                softsim::gravity(mesh, 1, g));
   system.mass = lumped ? Mass<double>::lumped(mesh, 1) : Mass<double>::consistent(mesh, 1);
   return system;
 }
@@ -85,7 +87,8 @@ TEST(SemiExplicitEuler, ConservesMomentumOfAFreeBody) {
     const Momentum after = momentum(system, motion);
     EXPECT_LT((after.linear - before.linear).norm(), 1e-11 * before.linear.norm());
     // measured with the distance that the body has gone by then
-    EXPECT_LT((after.angular - before.angular).norm(), 1e-11 * (before.angular.norm() + 3 * before.linear.norm()));
+    EXPECT_LT((after.angular - before.angular).norm(),
+              1e-11 * (before.angular.norm() + 3 * before.linear.norm()));
   }
 }
 
@@ -140,7 +143,8 @@ TEST(SemiExplicitEuler, StepIsTheFormulaWithDampingAndEitherMass) {
     Motion<double> motion = random_motion(system);
     const Vector<double> f = -bodies::gradient(system, motion.q) - alpha * mass_times(system, motion.v) -
                              beta * bodies::hessian_product(system, motion.q, motion.v);
-    const Vector<double> v = motion.v + h * dense_mass(system).llt().solve(f), u = motion.q.displacement + h * v;
+    const Vector<double> v = motion.v + h * dense_mass(system).llt().solve(f),
+                         u = motion.q.displacement + h * v;
     SemiExplicitEuler<System> euler({.dt = h});
     ASSERT_EQ(euler.step(system, motion).status, Status::converged);
     EXPECT_LT(relative_error(motion.v, v), 1e-11);
@@ -153,7 +157,8 @@ TEST(SemiExplicitEuler, PrescribedAccelerationActsThroughTheConsistentMass) {
   constexpr double h = 1e-3;
   System system = free_cube({0, 0, -10}, false);
   Motion<double> motion = random_motion(system);
-  for (const std::int32_t i : {0, 5, 13}) system.prescribed.set(i, Vec(motion.q.point(i)) + Vec(1e-3, -2e-3, 3e-3));
+  for (const std::int32_t i : {0, 5, 13})
+    system.prescribed.set(i, Vec(motion.q.point(i)) + Vec(1e-3, -2e-3, 3e-3));
   system.prescribed.set(20, 1, 0.01);
   Vector<double> to_go(system.size());
   (void)system.prescribed.increment(motion.q, to_go);
@@ -206,7 +211,8 @@ double critical_step(const Linear& system) {
   tangent.set(system, State<double>(system.rest().size()), {});
   const Eigen::MatrixXd K = tangent.matrix().to_eigen();
   const Eigen::MatrixXd M = softsim::pack(system.mass.diagonal()).asDiagonal();
-  return 2 / std::sqrt(Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd>(K, M).eigenvalues().maxCoeff());
+  return 2 /
+         std::sqrt(Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd>(K, M).eigenvalues().maxCoeff());
 }
 
 const std::array<Vec, 4> right_angled{Vec(0, 0, 0), Vec(1, 0, 0), Vec(0, 1, 0), Vec(0, 0, 1)};
@@ -214,7 +220,8 @@ const std::array<Vec, 4> right_angled{Vec(0, 0, 0), Vec(1, 0, 0), Vec(0, 1, 0), 
 // Critical steps of one tetrahedron with E = 1 Pa and 1 kg/m^3, to seven digits.
 TEST(CriticalStep, OfOneTetrahedronIsThatOfItsEigenvalues) {
   const double h = std::sqrt(3) / 2;
-  const std::array<Vec, 4> regular{Vec(0, 0, 0), Vec(1, 0, 0), Vec(0.5, h, 0), Vec(0.5, h / 3, std::sqrt(2.0 / 3))};
+  const std::array<Vec, 4> regular{Vec(0, 0, 0), Vec(1, 0, 0), Vec(0.5, h, 0),
+                                   Vec(0.5, h / 3, std::sqrt(2.0 / 3))};
   EXPECT_NEAR(critical_step(one_tetrahedron(regular, 0)), 0.70710678, 1e-7);
   EXPECT_NEAR(critical_step(one_tetrahedron(regular, 0.3)), 0.44721360, 1e-7);
   EXPECT_NEAR(critical_step(one_tetrahedron(regular, 0.49)), 0.1, 1e-7);

@@ -15,12 +15,13 @@
 #include "softsim/potential/elastic.hpp"
 #include "softsim/system/system.hpp"
 
-// A small-strain body moving in one of its modes is one damped oscillator, u'' + (alpha + beta w^2) u' + w^2 u = 0, whose
-// discrete motion is known in closed form.
+// A small-strain body moving in one of its modes is one damped oscillator, u'' + (alpha + beta w^2) u' + w^2
+// u = 0, whose discrete motion is known in closed form.
 
 namespace {
 
-using softsim::BackwardEuler, softsim::Mass, softsim::Motion, softsim::SemiExplicitEuler, softsim::Status, softsim::Vector;
+using softsim::BackwardEuler, softsim::Mass, softsim::Motion, softsim::SemiExplicitEuler, softsim::Status,
+    softsim::Vector;
 using System = softsim::System<softsim::ElasticTetrahedra<softsim::LinearElastic>, softsim::DeadLoad<double>>;
 
 class SingleMode : public ::testing::TestWithParam<bool> {
@@ -71,8 +72,9 @@ class SingleMode : public ::testing::TestWithParam<bool> {
     }
   }
 };
-INSTANTIATE_TEST_SUITE_P(, SingleMode, ::testing::Bool(),
-                         [](const auto& parameter) { return parameter.param ? "LumpedMass" : "ConsistentMass"; });
+INSTANTIATE_TEST_SUITE_P(, SingleMode, ::testing::Bool(), [](const auto& parameter) {
+  return parameter.param ? "LumpedMass" : "ConsistentMass";
+});
 
 struct Damping {
   double alpha, beta;
@@ -94,24 +96,26 @@ TEST_P(SingleMode, OfBackwardEuler) {
     }
 }
 
-// v_1 = v_0 - h (w^2 u_0 + (alpha + beta w^2) v_0), u_1 = u_0 + h v_1. Modes of higher frequency grow from rounding
-// unless the step is below their limit: 1/50 of a period of this one is.
+// v_1 = v_0 - h (w^2 u_0 + (alpha + beta w^2) v_0), u_1 = u_0 + h v_1. Modes of higher frequency grow from
+// rounding unless the step is below their limit: 1/50 of a period of this one is.
 TEST_P(SingleMode, OfSemiExplicitEuler) {
   for (const auto [alpha, beta] : dampings) {
     const double h = 0.02 / omega, w2 = omega * omega, a = alpha, b = 0.01 * beta;
     system.damping = {a, b};
-    expect_oscillator(SemiExplicitEuler<System>({.dt = h, .linear = {.max_iterations = 500, .tolerance = 1e-13}}), 1e-10,
-                      [=](double& u, double& v) {
-                        v -= h * (w2 * u + (a + b * w2) * v);
-                        u += h * v;
-                      });
+    expect_oscillator(
+        SemiExplicitEuler<System>({.dt = h, .linear = {.max_iterations = 500, .tolerance = 1e-13}}), 1e-10,
+        [=](double& u, double& v) {
+          v -= h * (w2 * u + (a + b * w2) * v);
+          u += h * v;
+        });
   }
 }
 
 TEST_P(SingleMode, LinearisedAndConvergedStepsAreOneForALinearBody) {
   system.damping = {0.5, 0.01};
   std::get<1>(system.terms) = softsim::gravity(mesh, 1, {1, 2, -10});
-  BackwardEuler<System> linearised({.dt = 0.02, .tolerance = 1e-11}), converged({.dt = 0.02, .newton = true, .tolerance = 1e-11});
+  BackwardEuler<System> linearised({.dt = 0.02, .tolerance = 1e-11}),
+      converged({.dt = 0.02, .newton = true, .tolerance = 1e-11});
   Motion<double> a(mesh.points().size()), b(mesh.points().size());
   for (int k = 0; k < 20; ++k) {
     ASSERT_EQ(linearised.step(system, a).status, Status::converged);

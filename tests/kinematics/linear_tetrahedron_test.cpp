@@ -21,7 +21,8 @@ using Corners = std::array<Vec, 4>;
 using Twelve = Eigen::Matrix<double, 12, 1>;
 
 static_assert(Kinematics<LinearTetrahedron> && Kinematics<LinearTetrahedron, float>);
-static_assert(Kinematics<LinearTetrahedron, Batch<double, 8>> && Kinematics<LinearTetrahedron, Batch<float, 4>>);
+static_assert(Kinematics<LinearTetrahedron, Batch<double, 8>> &&
+              Kinematics<LinearTetrahedron, Batch<float, 4>>);
 static_assert(!softsim::NonlinearKinematics<LinearTetrahedron>);
 
 // Everything but the pull-back.
@@ -30,7 +31,9 @@ struct WithoutPullback {
   template <class T>
   using Data = LinearTetrahedron::Data<T>;
   template <class T>
-  static T volume(const Data<T>& data) { return data.volume; }
+  static T volume(const Data<T>& data) {
+    return data.volume;
+  }
   template <class T>
   static Mat3<T> deformation_gradient(const Data<T>& data, const Local<T, 4>& u) {
     return LinearTetrahedron::deformation_gradient(data, u);
@@ -84,7 +87,8 @@ TEST(LinearTetrahedron, ReproducesAffineFields) {
   for (int n = 0; n < 100; ++n) {
     const Corners X = corners(random);
     const Matrix A = Matrix::Identity() + random.matrix();
-    const Matrix F = LinearTetrahedron::deformation_gradient(LinearTetrahedron::make(X), affine(X, A, random.vec()));
+    const Matrix F =
+        LinearTetrahedron::deformation_gradient(LinearTetrahedron::make(X), affine(X, A, random.vec()));
     // gradients of up to 10/m times rounded displacements of up to 10 m
     EXPECT_LT((F - A).norm(), 1e-13) << "A =\n" << A;
   }
@@ -124,8 +128,9 @@ TEST(LinearTetrahedron, PullbackIsTheTransposeOfTheDifferential) {
     const Local<double, 4> u = affine(X, random.matrix(), random.vec());
     const Matrix P = random.matrix();
     const Twelve du = random_twelve(random);
-    EXPECT_NEAR(softsim::double_dot<double>(P, LinearTetrahedron::deformation_gradient_differential(data, u, du)),
-                LinearTetrahedron::pullback(data, u, P).dot(du), 1e-13);
+    EXPECT_NEAR(
+        softsim::double_dot<double>(P, LinearTetrahedron::deformation_gradient_differential(data, u, du)),
+        LinearTetrahedron::pullback(data, u, P).dot(du), 1e-13);
   }
 }
 
@@ -171,7 +176,8 @@ TEST(LinearTetrahedron, LanesOfABatchAreTetrahedraOfTheirOwn) {
   for (int l = 0; l < 4; ++l) {
     const auto k = static_cast<std::size_t>(l);
     const Matrix one_F = LinearTetrahedron::deformation_gradient(one_data[k], one_u[k]);
-    const Matrix one_dF = LinearTetrahedron::deformation_gradient_differential(one_data[k], one_u[k], one_du[k]);
+    const Matrix one_dF =
+        LinearTetrahedron::deformation_gradient_differential(one_data[k], one_u[k], one_du[k]);
     const Twelve one_f = LinearTetrahedron::pullback(one_data[k], one_u[k], one_P[k]);
     EXPECT_EQ(softsim::lane(LinearTetrahedron::volume(data), l), one_data[k].volume);
     // the same sums, up to fused multiplications
@@ -182,16 +188,21 @@ TEST(LinearTetrahedron, LanesOfABatchAreTetrahedraOfTheirOwn) {
 }
 
 TEST(LinearTetrahedron, RefusesCornersInTheWrongOrder) {
-  EXPECT_EQ(refusal([] { return LinearTetrahedron::make({Vec(0, 0, 0), Vec(0, 1, 0), Vec(3, 0, 0), Vec(0, 0, 1)}); }),
+  EXPECT_EQ(refusal([] {
+              return LinearTetrahedron::make({Vec(0, 0, 0), Vec(0, 1, 0), Vec(3, 0, 0), Vec(0, 0, 1)});
+            }),
             "tetrahedron: volume -0.5 m^3 is not positive");
 }
 
 TEST(LinearTetrahedron, RefusesFlatAndNonFiniteCorners) {
-  EXPECT_EQ(refusal([] { return LinearTetrahedron::make({Vec(0, 0, 0), Vec(1, 0, 0), Vec(0, 1, 0), Vec(1, 1, 0)}); }),
+  EXPECT_EQ(refusal([] {
+              return LinearTetrahedron::make({Vec(0, 0, 0), Vec(1, 0, 0), Vec(0, 1, 0), Vec(1, 1, 0)});
+            }),
             "tetrahedron: volume 0 m^3 is not positive");
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_NE(refusal([=] { return LinearTetrahedron::make({Vec(0, 0, nan), Vec(1, 0, 0), Vec(0, 1, 0), Vec(0, 0, 1)}); })
-                .find("is not positive"),
+  EXPECT_NE(refusal([=] {
+              return LinearTetrahedron::make({Vec(0, 0, nan), Vec(1, 0, 0), Vec(0, 1, 0), Vec(0, 0, 1)});
+            }).find("is not positive"),
             std::string::npos);
 }
 

@@ -70,7 +70,8 @@ inline softsim::TetrahedralMesh distorted_cube(int n, std::uint64_t seed) {
 
 /// The first `count` tetrahedra of a mesh.
 inline softsim::TetrahedralMesh first_tetrahedra(const softsim::TetrahedralMesh& mesh, std::size_t count) {
-  return {mesh.points(), {mesh.tetrahedra().begin(), mesh.tetrahedra().begin() + static_cast<std::ptrdiff_t>(count)}};
+  return {mesh.points(),
+          {mesh.tetrahedra().begin(), mesh.tetrahedra().begin() + static_cast<std::ptrdiff_t>(count)}};
 }
 
 /// A flat vector with entries in [-scale, scale).
@@ -92,7 +93,8 @@ softsim::State<T> random_state(std::size_t points, double scale, std::uint64_t s
 }
 
 /// The state x = A X + b.
-inline softsim::State<double> affine_state(const softsim::TetrahedralMesh& mesh, const Matrix& A, const Vec& b) {
+inline softsim::State<double> affine_state(const softsim::TetrahedralMesh& mesh, const Matrix& A,
+                                           const Vec& b) {
   softsim::State<double> q(mesh.points().size());
   for (std::size_t i = 0; i < mesh.points().size(); ++i)
     q.point(static_cast<std::ptrdiff_t>(i)) = A * mesh.points()[i] + b - mesh.points()[i];

@@ -57,7 +57,10 @@ TEST(DeadLoad, RefusesPointsAndForcesThatAreNotThere) {
   EXPECT_EQ(refusal([&] { return load.add(3, Vec::Zero()); }), "load on node 3: out of range");
   EXPECT_EQ(refusal([&] { return load.add(-1, Vec::Zero()); }), "load on node -1: out of range");
   EXPECT_EQ(refusal([&] { return load.add(1, Vec(0, nan, 0)); }), "load on node 1: not a finite force");
-  EXPECT_EQ(refusal([&] { return load.spread({0, 2}, Vec(inf, 0, 0)); }), "load on node 0: not a finite force");
+  EXPECT_EQ(refusal([&] {
+              return load.spread({0, 2}, Vec(inf, 0, 0));
+            }),
+            "load on node 0: not a finite force");
   EXPECT_EQ(refusal([&] { return load.spread({0, 7}, Vec(1, 0, 0)); }), "load on node 7: out of range");
   EXPECT_EQ(refusal([&] { return load.spread({}, Vec(1, 0, 0)); }), "load: no node to spread the force over");
 }
@@ -83,13 +86,15 @@ TEST(Gravity, TakesADensityPerTetrahedron) {
 
 // Linear shape functions integrate to a quarter of the volume each.
 TEST(Gravity, PutsAQuarterOfATetrahedronOnEachCorner) {
-  const softsim::TetrahedralMesh mesh({Vec(0, 0, 0), Vec(1, 0, 0), Vec(0, 2, 0), Vec(0, 0, 3)}, {{0, 1, 2, 3}});
+  const softsim::TetrahedralMesh mesh({Vec(0, 0, 0), Vec(1, 0, 0), Vec(0, 2, 0), Vec(0, 0, 3)},
+                                      {{0, 1, 2, 3}});
   const auto load = softsim::gravity(mesh, 8, {0, 0, -10});
   for (int i = 0; i < 4; ++i) EXPECT_NEAR(load.force()[4 * i + 2], -20, 1e-14);
   // uniform gravity has no torque around the centre of mass
   Vec torque = Vec::Zero();
   for (std::size_t i = 0; i < 4; ++i)
-    torque += (mesh.points()[i] - Vec(0.25, 0.5, 0.75)).cross(Vec(block(load.force(), static_cast<std::ptrdiff_t>(i))));
+    torque += (mesh.points()[i] - Vec(0.25, 0.5, 0.75))
+                  .cross(Vec(block(load.force(), static_cast<std::ptrdiff_t>(i))));
   EXPECT_LT(torque.norm(), 1e-13);
 }
 
@@ -97,10 +102,14 @@ TEST(Gravity, RefusesDensitiesByValue) {
   const auto mesh = softsim::box_mesh({1, 1, 1}, {1, 1, 1});
   const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
   const Vec g(0, 0, -9.81);
-  EXPECT_EQ(refusal([&] { return softsim::gravity(mesh, 0, g); }), "density 0 kg/m^3: must be positive and finite");
-  EXPECT_EQ(refusal([&] { return softsim::gravity(mesh, -2.5, g); }), "density -2.5 kg/m^3: must be positive and finite");
-  EXPECT_EQ(refusal([&] { return softsim::gravity(mesh, inf, g); }), "density inf kg/m^3: must be positive and finite");
-  EXPECT_NE(refusal([&] { return softsim::gravity(mesh, nan, g); }).find("must be positive and finite"), std::string::npos);
+  EXPECT_EQ(refusal([&] { return softsim::gravity(mesh, 0, g); }),
+            "density 0 kg/m^3: must be positive and finite");
+  EXPECT_EQ(refusal([&] { return softsim::gravity(mesh, -2.5, g); }),
+            "density -2.5 kg/m^3: must be positive and finite");
+  EXPECT_EQ(refusal([&] { return softsim::gravity(mesh, inf, g); }),
+            "density inf kg/m^3: must be positive and finite");
+  EXPECT_NE(refusal([&] { return softsim::gravity(mesh, nan, g); }).find("must be positive and finite"),
+            std::string::npos);
   EXPECT_NE(refusal([&] { return softsim::gravity(mesh, 1000, Vec(0, nan, 0)); }).find("not a finite force"),
             std::string::npos);
   EXPECT_EQ(refusal([&] {

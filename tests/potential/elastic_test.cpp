@@ -78,7 +78,8 @@ TYPED_TEST(ElasticBody, HessianProductIsTheDerivativeOfTheGradient) {
 TYPED_TEST(ElasticBody, HessianIsSymmetric) {
   const State<double> q = this->deformed(30);
   for (std::uint64_t n = 0; n < 5; ++n) {
-    const Vector<double> a = bodies::random_vector(this->nodes, 1, 31 + n), b = bodies::random_vector(this->nodes, 1, 41 + n);
+    const Vector<double> a = bodies::random_vector(this->nodes, 1, 31 + n),
+                         b = bodies::random_vector(this->nodes, 1, 41 + n);
     const Vector<double> Ka = hessian_product(this->body, q, a), Kb = hessian_product(this->body, q, b);
     EXPECT_NEAR(a.dot(Kb), b.dot(Ka), 1e-13 * a.norm() * Kb.norm());
   }
@@ -106,7 +107,7 @@ TYPED_TEST(ElasticBody, TorquesBalance) {
     const Vec f = softsim::block(g, static_cast<std::ptrdiff_t>(i));
     // small-strain elasticity balances around the undeformed positions
     const Vec x = std::is_same_v<TypeParam, softsim::LinearElastic> ? this->mesh.points()[i]
-                                                                     : bodies::position(this->mesh, q, i);
+                                                                    : bodies::position(this->mesh, q, i);
     sum += x.cross(f);
     size += x.norm() * f.norm();
   }

@@ -44,8 +44,8 @@ struct WidthName {
 };
 template <class W>
 class ElementsOf : public ::testing::Test {};
-using Widths = ::testing::Types<Width<double, 4>, Width<double, 8>, Width<double, 16>, Width<float, 1>, Width<float, 4>,
-                                Width<float, 8>, Width<float, 16>>;
+using Widths = ::testing::Types<Width<double, 4>, Width<double, 8>, Width<double, 16>, Width<float, 1>,
+                                Width<float, 4>, Width<float, 8>, Width<float, 16>>;
 TYPED_TEST_SUITE(ElementsOf, Widths, WidthName);
 
 const NeoHookean law = NeoHookean::from_young_poisson(10, 0.3);
@@ -69,7 +69,8 @@ TYPED_TEST(ElementsOf, AgreeWithOneAtATimeForEveryCount) {
     EXPECT_EQ(many.size(), count);
     EXPECT_NEAR(many.energy(q) / one.energy(q_double), 1, TypeParam::tolerance) << count;
     EXPECT_LT(relative_error(gradient(many, q), gradient(one, q_double)), TypeParam::tolerance) << count;
-    EXPECT_LT(relative_error(hessian_product(many, q, d), hessian_product(one, q_double, d_double)), TypeParam::tolerance)
+    EXPECT_LT(relative_error(hessian_product(many, q, d), hessian_product(one, q_double, d_double)),
+              TypeParam::tolerance)
         << count;
   }
 }
@@ -86,7 +87,8 @@ TYPED_TEST(ElementsOf, AddToWhatIsThere) {
   elements.add_hessian_product(q, d, y);
   const Vector<T> sum = start + gradient(elements, q) + hessian_product(elements, q, d);
   EXPECT_LT(relative_error(y, sum), TypeParam::tolerance);
-  for (std::ptrdiff_t i = 3; i < y.size(); i += softsim::block_stride) EXPECT_EQ(y[i], T(0)) << "padding of a block";
+  for (std::ptrdiff_t i = 3; i < y.size(); i += softsim::block_stride)
+    EXPECT_EQ(y[i], T(0)) << "padding of a block";
 }
 
 TYPED_TEST(ElementsOf, VisitEveryStencilOnce) {
@@ -126,7 +128,8 @@ TYPED_TEST(ElementsOf, BlocksAreTheColumnsOfTheHessianProduct) {
       largest = std::max(largest, static_cast<double>(column.cwiseAbs().maxCoeff()));
       for (std::int32_t i = 0; i < n; ++i)
         for (int b = 0; b < 3; ++b) {
-          const T entry = values[9 * static_cast<std::size_t>(i * n + j) + static_cast<std::size_t>(3 * a + b)];
+          const T entry =
+              values[9 * static_cast<std::size_t>(i * n + j) + static_cast<std::size_t>(3 * a + b)];
           const T expected = j == 0 ? T(0) : 2 * softsim::block(column, i)[b];
           ASSERT_NEAR(entry, expected, TypeParam::tolerance * 2 * largest) << i << " " << j;
         }
@@ -137,7 +140,8 @@ TYPED_TEST(ElementsOf, EachMaterialActsOnItsOwnTetrahedra) {
   using T = typename TypeParam::T;
   using Elements = softsim::Elements<Model, T, TypeParam::N>;
   const std::size_t nodes = cube.points().size();
-  const std::vector<NeoHookean> laws{NeoHookean::from_young_poisson(10, 0.3), NeoHookean::from_young_poisson(1000, 0.1),
+  const std::vector<NeoHookean> laws{NeoHookean::from_young_poisson(10, 0.3),
+                                     NeoHookean::from_young_poisson(1000, 0.1),
                                      NeoHookean::from_young_poisson(100, 0.45)};
   const std::vector<Model> models{{laws[0]}, {laws[1]}, {laws[2]}};
   std::vector<std::int32_t> index;
@@ -170,7 +174,8 @@ TYPED_TEST(ElementsOf, EachMaterialActsOnItsOwnTetrahedra) {
   EXPECT_LT(relative_error(hessian_product(together, q, d), Kd), TypeParam::tolerance);
 }
 
-// Displacements, not positions, are what single precision holds: a body a kilometre away is as exact as one here.
+// Displacements, not positions, are what single precision holds: a body a kilometre away is as exact as one
+// here.
 TEST(ElementsInSinglePrecision, AreAsExactFarFromTheOrigin) {
   std::vector<bodies::Vec> points = cube.points();
   for (bodies::Vec& x : points) x += bodies::Vec(1024, -512, 2048);
@@ -178,7 +183,8 @@ TEST(ElementsInSinglePrecision, AreAsExactFarFromTheOrigin) {
   const State<float> q = bodies::random_state<float>(points.size(), 0.05, 11);
   State<double> q_double;
   q_double.displacement = q.displacement.cast<double>();
-  EXPECT_LT(relative_error(gradient(softsim::elastic<float>(far, law), q), gradient(softsim::elastic(far, law), q_double)),
+  EXPECT_LT(relative_error(gradient(softsim::elastic<float>(far, law), q),
+                           gradient(softsim::elastic(far, law), q_double)),
             2e-6);
 }
 
@@ -193,15 +199,24 @@ TEST(Elements, AnEmptyListOfOneMaterialIsNoRun) {
 
 TEST(Elements, RefuseWhatDoesNotFitByNumberAndValue) {
   const TetrahedralMesh mesh = bodies::first_tetrahedra(cube, 5);
-  EXPECT_EQ(refusal([&] { return softsim::elastic(mesh, std::vector{law, law}, {0, 1, 0, 2, 0}); }),
+  EXPECT_EQ(refusal([&] {
+              return softsim::elastic(mesh, std::vector{law, law}, {0, 1, 0, 2, 0});
+            }),
             "element 3: material index 2 is out of range (there are 2 materials)");
-  EXPECT_EQ(refusal([&] { return softsim::elastic(mesh, std::vector{law, law}, {0, 1, -1, 1, 0}); }),
+  EXPECT_EQ(refusal([&] {
+              return softsim::elastic(mesh, std::vector{law, law}, {0, 1, -1, 1, 0});
+            }),
             "element 2: material index -1 is out of range (there are 2 materials)");
-  EXPECT_EQ(refusal([&] { return softsim::elastic(mesh, std::vector{law, law}, {0, 1, 0}); }),
+  EXPECT_EQ(refusal([&] {
+              return softsim::elastic(mesh, std::vector{law, law}, {0, 1, 0});
+            }),
             "elements: 3 material indices for 5 elements");
-  EXPECT_EQ(refusal([&] { return softsim::elastic(mesh, std::vector{law, law}); }),
+  EXPECT_EQ(refusal([&] {
+              return softsim::elastic(mesh, std::vector{law, law});
+            }),
             "elastic: 2 materials need an index per tetrahedron");
-  EXPECT_EQ(refusal([&] { return softsim::elastic(mesh, std::vector<NeoHookean>{}); }), "elastic: no material");
+  EXPECT_EQ(refusal([&] { return softsim::elastic(mesh, std::vector<NeoHookean>{}); }),
+            "elastic: no material");
   EXPECT_EQ(refusal([&] { return softsim::Elements<Model>({Model{law}}, {}, mesh.tetrahedra()); }),
             "elements: 0 rest data for 5 stencils");
 }

@@ -13,12 +13,14 @@
 
 namespace {
 
-using bodies::Matrix, bodies::Vec, bodies::gradient, bodies::hessian_product, bodies::refusal, bodies::relative_error;
+using bodies::Matrix, bodies::Vec, bodies::gradient, bodies::hessian_product, bodies::refusal,
+    bodies::relative_error;
 using softsim::FollowerPressure, softsim::State, softsim::TetrahedralMesh, softsim::Vector, softsim::block;
 using Nine = Eigen::Matrix<double, 9, 1>;
 using Matrix9 = Eigen::Matrix<double, 9, 9>;
 
-static_assert(softsim::LocalForce<FollowerPressure> && softsim::LocalForce<FollowerPressure, softsim::Batch<float, 8>>);
+static_assert(softsim::LocalForce<FollowerPressure> &&
+              softsim::LocalForce<FollowerPressure, softsim::Batch<float, 8>>);
 static_assert(!softsim::LocalPotential<FollowerPressure>);
 using Term = softsim::Elements<FollowerPressure>;
 static_assert(softsim::ForceTerm<Term> && !softsim::Potential<Term>);
@@ -117,7 +119,8 @@ TEST_F(PressureOnAClosedSurface, IsTheSameInSinglePrecision) {
   q_single.displacement = q.displacement.cast<float>();
   const Vector<float> d = bodies::random_vector<float>(nodes, 1, 4);
   EXPECT_LT(relative_error(gradient(single, q_single), gradient(term, q)), 1e-6);
-  EXPECT_LT(relative_error(hessian_product(single, q_single, d), hessian_product(term, q, Vector<double>(d.cast<double>()))),
+  EXPECT_LT(relative_error(hessian_product(single, q_single, d),
+                           hessian_product(term, q, Vector<double>(d.cast<double>()))),
             2e-6);
 }
 
@@ -156,11 +159,18 @@ TEST(Pressure, RefusesWhatItCannotActOn) {
   const auto mesh = softsim::box_mesh({1, 1, 1}, {1, 1, 1});
   const double inf = std::numeric_limits<double>::infinity();
   EXPECT_EQ(refusal([&] { return softsim::pressure(mesh, {}, 1); }), "pressure: no triangle to act on");
-  EXPECT_EQ(refusal([&] { return softsim::pressure(mesh, {{0, 1, 2}, {0, 1, 8}}, 1); }),
+  EXPECT_EQ(refusal([&] {
+              return softsim::pressure(mesh, {{0, 1, 2}, {0, 1, 8}}, 1);
+            }),
             "pressure on triangle 1: node 8 is out of range");
-  EXPECT_EQ(refusal([&] { return softsim::pressure(mesh, {{0, -1, 2}}, 1); }),
+  EXPECT_EQ(refusal([&] {
+              return softsim::pressure(mesh, {{0, -1, 2}}, 1);
+            }),
             "pressure on triangle 0: node -1 is out of range");
-  EXPECT_EQ(refusal([&] { return softsim::pressure(mesh, {{0, 1, 2}}, inf); }), "pressure inf Pa: must be finite");
+  EXPECT_EQ(refusal([&] {
+              return softsim::pressure(mesh, {{0, 1, 2}}, inf);
+            }),
+            "pressure inf Pa: must be finite");
 }
 
 }  // namespace

@@ -15,8 +15,9 @@
 #include "softsim/potential/pressure.hpp"
 #include "softsim/system/system.hpp"
 
-// Homogeneous states of a unit cube on rollers at x = 0, y = 0 and z = 0. Linear tetrahedra hold them exactly, so that only
-// the solver's tolerance is left: 1e-10 of the load times a condition number of some hundred. E = 10 Pa, nu = 0.3.
+// Homogeneous states of a unit cube on rollers at x = 0, y = 0 and z = 0. Linear tetrahedra hold them
+// exactly, so that only the solver's tolerance is left: 1e-10 of the load times a condition number of some
+// hundred. E = 10 Pa, nu = 0.3.
 
 namespace {
 
@@ -30,7 +31,8 @@ const auto mesh = bodies::distorted_cube(3, 1);
 template <class S>
 void put_on_rollers(S& system) {
   for (int axis = 0; axis < 3; ++axis)
-    for (const std::int32_t i : softsim::nodes_near(mesh, static_cast<Side>(2 * axis), 0)) system.prescribed.set(i, axis, 0);
+    for (const std::int32_t i : softsim::nodes_near(mesh, static_cast<Side>(2 * axis), 0))
+      system.prescribed.set(i, axis, 0);
 }
 
 // Triangles of the surface on the upper side along an axis.
@@ -108,7 +110,8 @@ TEST(UniaxialStretch, OfStVenantKirchhoffByDisplacement) {
 }
 
 TEST(UniaxialStretch, OfStableNeoHookeanByDisplacement) {
-  for (const double s : {0.7, 1.1, 1.5}) expect_pulled<StableNeoHookean>(s, stable_lateral(s), stable_stress(s));
+  for (const double s : {0.7, 1.1, 1.5})
+    expect_pulled<StableNeoHookean>(s, stable_lateral(s), stable_stress(s));
 }
 
 TEST(UniaxialStretch, OfNeoHookeanByTraction) {
@@ -122,13 +125,14 @@ TEST(UniaxialStretch, OfStVenantKirchhoffByTraction) {
 }
 
 TEST(UniaxialStretch, OfStableNeoHookeanByTraction) {
-  for (const double s : {0.8, 1.3}) expect_stretched<StableNeoHookean>(stable_stress(s), s, stable_lateral(s));
+  for (const double s : {0.8, 1.3})
+    expect_stretched<StableNeoHookean>(stable_stress(s), s, stable_lateral(s));
 }
 
 // Equal stretches along x and y, z free: l3 for the stretches 0.7, 1.2 and 2, to ten digits.
 TEST(EquibiaxialStretch, OfNeoHookean) {
-  const double states[3][3] = {{0.7, 1.2963960221, -6.5419925607}, {1.2, 0.8425870041, 2.3398946814},
-                               {2, 0.4303711698, 7.3361166465}};
+  const double states[3][3] = {
+      {0.7, 1.2963960221, -6.5419925607}, {1.2, 0.8425870041, 2.3398946814}, {2, 0.4303711698, 7.3361166465}};
   for (const auto& [s, l3, P] : states) {
     softsim::System system(mesh, softsim::elastic(mesh, NeoHookean::from_young_poisson(10, 0.3)));
     put_on_rollers(system);
@@ -146,14 +150,16 @@ TEST(EquibiaxialStretch, OfNeoHookean) {
   }
 }
 
-// All round pressure on the three free sides: mu (s - 1/s) + 3 lambda ln s / s = -p s^2. The patch ends on rollers, where its
-// edge slides: the load's tangent is not symmetric there and Newton not quadratic, the answer is the same.
+// All round pressure on the three free sides: mu (s - 1/s) + 3 lambda ln s / s = -p s^2. The patch ends on
+// rollers, where its edge slides: the load's tangent is not symmetric there and Newton not quadratic, the
+// answer is the same.
 TEST(FollowerPressure, CompressesACubeEvenly) {
   const double s = 0.8, p = -(mu * (s - 1 / s) + 3 * lambda * std::log(s) / s) / (s * s);
   std::vector<Triangle> sides;
   for (int axis = 0; axis < 3; ++axis)
     for (const Triangle& f : upper_side(axis)) sides.push_back(f);
-  softsim::System system(mesh, softsim::elastic(mesh, NeoHookean::from_young_poisson(10, 0.3)), softsim::pressure(mesh, sides, p));
+  softsim::System system(mesh, softsim::elastic(mesh, NeoHookean::from_young_poisson(10, 0.3)),
+                         softsim::pressure(mesh, sides, p));
   put_on_rollers(system);
   State<double> q(mesh.points().size());
   const auto report = softsim::StaticSolver<decltype(system)>({.tolerance = 1e-10}).solve(system, q);

@@ -19,12 +19,15 @@
 
 namespace {
 
-using softsim::ConjugateGradient, softsim::ConjugateGradientWorkspace, softsim::LinearReport, softsim::Status, softsim::Vector;
+using softsim::ConjugateGradient, softsim::ConjugateGradientWorkspace, softsim::LinearReport, softsim::Status,
+    softsim::Vector;
 using System = softsim::System<softsim::ElasticTetrahedra<softsim::NeoHookean>>;
 
-static_assert(softsim::Preconditioner<softsim::NoPreconditioner<double>> && softsim::Preconditioner<softsim::Jacobi<double>>);
+static_assert(softsim::Preconditioner<softsim::NoPreconditioner<double>> &&
+              softsim::Preconditioner<softsim::Jacobi<double>>);
 static_assert(softsim::Preconditioner<softsim::BlockJacobi<float>, float>);
-static_assert(!softsim::Preconditioner<softsim::BlockJacobi<double>, float> && !softsim::Preconditioner<ConjugateGradient>);
+static_assert(!softsim::Preconditioner<softsim::BlockJacobi<double>, float> &&
+              !softsim::Preconditioner<ConjugateGradient>);
 static_assert(!softsim::LinearOperator<softsim::NoPreconditioner<int>>);
 
 struct Diagonal {
@@ -44,16 +47,20 @@ struct Choice {
 struct ChoiceName {
   template <class C>
   static std::string GetName(int) {
-    std::string name = std::is_same_v<typename C::template Tangent<System>, softsim::AssembledTangent<System>> ? "Assembled" : "MatrixFree";
+    std::string name = std::is_same_v<typename C::template Tangent<System>, softsim::AssembledTangent<System>>
+                           ? "Assembled"
+                           : "MatrixFree";
     if (std::is_same_v<typename C::Preconditioner, softsim::Jacobi<double>>) return name + "Jacobi";
-    return name + (std::is_same_v<typename C::Preconditioner, softsim::BlockJacobi<double>> ? "BlockJacobi" : "None");
+    return name + (std::is_same_v<typename C::Preconditioner, softsim::BlockJacobi<double>> ? "BlockJacobi"
+                                                                                            : "None");
   }
 };
 template <class C>
 class LinearSolve : public ::testing::Test {};
-using Choices = ::testing::Types<Choice<softsim::Assembled, softsim::NoPreconditioner>, Choice<softsim::Assembled, softsim::Jacobi>,
-                                 Choice<softsim::Assembled, softsim::BlockJacobi>, Choice<softsim::MatrixFree, softsim::NoPreconditioner>,
-                                 Choice<softsim::MatrixFree, softsim::Jacobi>, Choice<softsim::MatrixFree, softsim::BlockJacobi>>;
+using Choices = ::testing::Types<
+    Choice<softsim::Assembled, softsim::NoPreconditioner>, Choice<softsim::Assembled, softsim::Jacobi>,
+    Choice<softsim::Assembled, softsim::BlockJacobi>, Choice<softsim::MatrixFree, softsim::NoPreconditioner>,
+    Choice<softsim::MatrixFree, softsim::Jacobi>, Choice<softsim::MatrixFree, softsim::BlockJacobi>>;
 TYPED_TEST_SUITE(LinearSolve, Choices, ChoiceName);
 
 TYPED_TEST(LinearSolve, AgreesWithEigensCholeskyFactorisation) {
@@ -96,8 +103,10 @@ TEST(Preconditioners, MakeTheSolveShorter) {
   // a hard inclusion makes the diagonal uneven
   std::vector<std::int32_t> index;
   for (std::size_t t = 0; t < mesh.tetrahedra().size(); ++t) index.push_back(t < 40);
-  System system(mesh, softsim::elastic(mesh, std::vector{softsim::NeoHookean::from_young_poisson(1, 0.4),
-                                                        softsim::NeoHookean::from_young_poisson(1e4, 0.4)}, index));
+  System system(mesh, softsim::elastic(mesh,
+                                       std::vector{softsim::NeoHookean::from_young_poisson(1, 0.4),
+                                                   softsim::NeoHookean::from_young_poisson(1e4, 0.4)},
+                                       index));
   system.prescribed.fix(softsim::nodes_near(mesh, softsim::Side::zmin, 0));
   softsim::AssembledTangent<System> A;
   A.set(system, softsim::State<double>(mesh.points().size()), {});
@@ -107,7 +116,9 @@ TEST(Preconditioners, MakeTheSolveShorter) {
     preconditioner.compute(A, system.prescribed.free());
     ConjugateGradientWorkspace<double> workspace;
     Vector<double> x = Vector<double>::Zero(b.size());
-    return ConjugateGradient{.max_iterations = 20000, .tolerance = 1e-8}.solve(A, preconditioner, b, x, workspace).iterations;
+    return ConjugateGradient{.max_iterations = 20000, .tolerance = 1e-8}
+        .solve(A, preconditioner, b, x, workspace)
+        .iterations;
   };
   const int without = iterations(none), jacobi = iterations(softsim::Jacobi<double>{}),
             block_jacobi = iterations(softsim::BlockJacobi<double>{});
@@ -148,7 +159,8 @@ TEST(ConjugateGradient, OfNothingIsNothing) {
   const Diagonal A{Vector<double>::LinSpaced(8, 1, 8)};
   Vector<double> x = Vector<double>::Ones(8);
   ConjugateGradientWorkspace<double> workspace;
-  const LinearReport report = ConjugateGradient{}.solve(A, none, Vector<double>(Vector<double>::Zero(8)), x, workspace);
+  const LinearReport report =
+      ConjugateGradient{}.solve(A, none, Vector<double>(Vector<double>::Zero(8)), x, workspace);
   EXPECT_EQ(report.status, Status::converged);
   EXPECT_EQ(report.iterations, 0);
   EXPECT_EQ(report.residual, 0);
@@ -166,8 +178,9 @@ TEST(ConjugateGradient, ReportsWhatIsNotFinite) {
     Diagonal broken = A;
     broken.d[2] = bad;
     x.setZero();
-    EXPECT_EQ(ConjugateGradient{}.solve(broken, none, Vector<double>(Vector<double>::Ones(8)), x, workspace).status,
-              Status::not_finite);
+    EXPECT_EQ(
+        ConjugateGradient{}.solve(broken, none, Vector<double>(Vector<double>::Ones(8)), x, workspace).status,
+        Status::not_finite);
   }
 }
 
@@ -196,7 +209,8 @@ TEST(ConjugateGradient, SaysHowFarItGotWhenItRunsOut) {
   const Vector<double> b = Vector<double>::Ones(40);
   Vector<double> x = Vector<double>::Zero(40);
   ConjugateGradientWorkspace<double> workspace;
-  const LinearReport report = ConjugateGradient{.max_iterations = 7, .tolerance = 1e-12}.solve(A, none, b, x, workspace);
+  const LinearReport report =
+      ConjugateGradient{.max_iterations = 7, .tolerance = 1e-12}.solve(A, none, b, x, workspace);
   EXPECT_EQ(report.status, Status::not_converged);
   EXPECT_FALSE(report.indefinite);
   EXPECT_EQ(report.iterations, 7);
@@ -206,14 +220,16 @@ TEST(ConjugateGradient, SaysHowFarItGotWhenItRunsOut) {
 
 TEST(ConjugateGradient, WorksInSinglePrecision) {
   const auto mesh = bodies::distorted_cube(2, 4);
-  softsim::System system(mesh, softsim::elastic<float>(mesh, softsim::NeoHookean::from_young_poisson(10, 0.3)));
+  softsim::System system(mesh,
+                         softsim::elastic<float>(mesh, softsim::NeoHookean::from_young_poisson(10, 0.3)));
   system.prescribed.fix(softsim::nodes_near(mesh, softsim::Side::zmin, 0));
   const softsim::State<float> q(mesh.points().size());
   softsim::AssembledTangent<decltype(system)> A;
   A.set(system, q, {});
   softsim::BlockJacobi<float> preconditioner;
   preconditioner.compute(A, system.prescribed.free());
-  Vector<float> b = bodies::random_vector<float>(mesh.points().size(), 1, 5), x = Vector<float>::Zero(b.size()), Ax(b.size());
+  Vector<float> b = bodies::random_vector<float>(mesh.points().size(), 1, 5),
+                x = Vector<float>::Zero(b.size()), Ax(b.size());
   system.prescribed.mask(b);
   ConjugateGradientWorkspace<float> workspace;
   const LinearReport report = ConjugateGradient{.tolerance = 1e-5}.solve(A, preconditioner, b, x, workspace);
@@ -235,8 +251,8 @@ TEST(BlockJacobi, InvertsTheFreePartOfEveryBlock) {
   softsim::BlockJacobi<double> preconditioner;
   Vector<double> free = Vector<double>::Ones(12);
   free[3] = free[7] = free[11] = 0;
-  free[4 + 1] = 0;                           // block 1 held along y
-  free[8] = free[9] = free[10] = 0;          // block 2 held
+  free[4 + 1] = 0;                   // block 1 held along y
+  free[8] = free[9] = free[10] = 0;  // block 2 held
   preconditioner.compute(Blocks{{D, D, D}}, free);
   Vector<double> r = bodies::random_vector(3, 1, 7), z(12);
   r = r.cwiseProduct(free);
@@ -254,8 +270,10 @@ TEST(Preconditioners, StayPositiveForIndefiniteAndEmptyBlocks) {
   bodies::Random random(8);
   Vector<double> free = Vector<double>::Ones(16);
   for (int k = 3; k < 16; k += 4) free[k] = 0;
-  const bodies::Matrix R = random.rotation(), negative = R * bodies::Vec(1, -2, 5).asDiagonal() * R.transpose();
-  const Blocks blocks{{negative, -bodies::Matrix::Identity(), bodies::Matrix::Zero(), bodies::Vec(-1, -1, 2).asDiagonal()}};
+  const bodies::Matrix R = random.rotation(),
+                       negative = R * bodies::Vec(1, -2, 5).asDiagonal() * R.transpose();
+  const Blocks blocks{
+      {negative, -bodies::Matrix::Identity(), bodies::Matrix::Zero(), bodies::Vec(-1, -1, 2).asDiagonal()}};
   softsim::BlockJacobi<double> block_jacobi;
   softsim::Jacobi<double> jacobi;
   block_jacobi.compute(blocks, free);

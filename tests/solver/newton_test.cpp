@@ -22,8 +22,8 @@
 namespace {
 
 using bodies::Vec, bodies::refusal;
-using softsim::NeoHookean, softsim::Side, softsim::State, softsim::StaticSolver, softsim::Status, softsim::StepReport,
-    softsim::Vector;
+using softsim::NeoHookean, softsim::Side, softsim::State, softsim::StaticSolver, softsim::Status,
+    softsim::StepReport, softsim::Vector;
 using System = softsim::System<softsim::ElasticTetrahedra<NeoHookean>, softsim::DeadLoad<double>>;
 using Solver = StaticSolver<System>;
 
@@ -35,8 +35,7 @@ struct Beam {
   NeoHookean law = NeoHookean::from_young_poisson(1000, 0.3);
   System system;
 
-  explicit Beam(double g)
-      : system(mesh, softsim::elastic(mesh, law), softsim::gravity(mesh, 1, {0, 0, -g})) {
+  explicit Beam(double g) : system(mesh, softsim::elastic(mesh, law), softsim::gravity(mesh, 1, {0, 0, -g})) {
     system.prescribed.fix(softsim::nodes_near(mesh, Side::xmin, 0));
   }
   State<double> rest() const { return State<double>(mesh.points().size()); }
@@ -182,10 +181,12 @@ TEST(Newton, RefusesOptionsByValue) {
 
 TEST(StaticSolve, RefusesABodyThatNothingHolds) {
   Beam beam(10);
-  for (std::int32_t i = 0; i < static_cast<std::int32_t>(beam.mesh.points().size()); ++i) beam.system.prescribed.release(i);
+  for (std::int32_t i = 0; i < static_cast<std::int32_t>(beam.mesh.points().size()); ++i)
+    beam.system.prescribed.release(i);
   beam.system.prescribed.fix({0, 7});
   State<double> q = beam.rest();
-  EXPECT_NE(refusal([&] { return Solver().solve(beam.system, q); }).find("2 of its nodes are held"), std::string::npos);
+  EXPECT_NE(refusal([&] { return Solver().solve(beam.system, q); }).find("2 of its nodes are held"),
+            std::string::npos);
   EXPECT_EQ(q.displacement.norm(), 0);
 }
 

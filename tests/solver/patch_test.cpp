@@ -11,8 +11,8 @@
 #include "softsim/potential/elastic.hpp"
 #include "softsim/system/system.hpp"
 
-// Patch test: with every surface node on an affine map the inner nodes of a distorted mesh have to follow it, and the
-// surface has to carry P N A.
+// Patch test: with every surface node on an affine map the inner nodes of a distorted mesh have to follow it,
+// and the surface has to carry P N A.
 
 namespace {
 
@@ -32,7 +32,8 @@ class Patch : public ::testing::Test {
     const State<double> exact = bodies::affine_state(mesh, F, Vec(0.1, -0.2, 0.3));
     const std::vector<bool> outer = bodies::on_surface(mesh);
     for (std::size_t i = 0; i < outer.size(); ++i)
-      if (outer[i]) system.prescribed.set(static_cast<std::int32_t>(i), exact.point(static_cast<std::ptrdiff_t>(i)));
+      if (outer[i])
+        system.prescribed.set(static_cast<std::int32_t>(i), exact.point(static_cast<std::ptrdiff_t>(i)));
     State<double> q(outer.size());
     const auto report = softsim::StaticSolver<decltype(system)>({.tolerance = 1e-12}).solve(system, q);
     ASSERT_EQ(report.status, Status::converged) << report.reason << ", residual " << report.residual;

@@ -37,7 +37,8 @@ TEST(BlockMatrix, KeepsEveryBlockOnce) {
   EXPECT_EQ(A.position(1, 4), 6);
   EXPECT_EQ(A.position(2, 1), 7);
   EXPECT_EQ(A.position(4, 4), 9);
-  for (const auto& [i, j] : Pattern{{0, 1}, {0, 4}, {2, 0}, {2, 2}, {3, 3}, {4, 3}}) EXPECT_EQ(A.position(i, j), -1);
+  for (const auto& [i, j] : Pattern{{0, 1}, {0, 4}, {2, 0}, {2, 2}, {3, 3}, {4, 3}})
+    EXPECT_EQ(A.position(i, j), -1);
   EXPECT_EQ(BlockMatrix<double>().rows(), 0u);
 }
 

@@ -22,11 +22,12 @@ const auto mesh = bodies::distorted_cube(2, 1);
 
 template <class Law>
 std::vector<ElementField> fields_of(const Law& law, const Matrix& F) {
-  return softsim::element_fields(mesh, std::vector<Law>{law}, {}, bodies::affine_state(mesh, F, Vec(1, 2, 3)));
+  return softsim::element_fields(mesh, std::vector<Law>{law}, {},
+                                 bodies::affine_state(mesh, F, Vec(1, 2, 3)));
 }
 
-// St. Venant-Kirchhoff at free sides: P = E/2 (s^3 - s), lateral stretch^2 = 1 - nu (s^2 - 1), psi = E/8 (s^2 - 1)^2;
-// E = 10, nu = 0.3, s = 1.25: P = 3.515625 Pa.
+// St. Venant-Kirchhoff at free sides: P = E/2 (s^3 - s), lateral stretch^2 = 1 - nu (s^2 - 1), psi = E/8 (s^2
+// - 1)^2; E = 10, nu = 0.3, s = 1.25: P = 3.515625 Pa.
 TEST(ElementFields, OfAUniaxialStateAreThoseOfTheClosedForm) {
   const double s = 1.25, l = std::sqrt(1 - 0.3 * (s * s - 1));
   const auto law = StVenantKirchhoff::from_young_poisson(10, 0.3);
@@ -48,7 +49,8 @@ TEST(ElementFields, OfAUniaxialStateAreThoseOfTheClosedForm) {
   }
 }
 
-// Neo-Hookean, F = diag(1.1, 1, 1): 863901.0097711232 and twice 349914.99578510894 Pa for E = 7 MPa, nu = 0.3.
+// Neo-Hookean, F = diag(1.1, 1, 1): 863901.0097711232 and twice 349914.99578510894 Pa for E = 7 MPa, nu =
+// 0.3.
 TEST(ElementFields, SortPrincipalStressesFromTheLargest) {
   const auto law = NeoHookean::from_young_poisson(7e6, 0.3);
   for (const ElementField& field : fields_of(law, Vec(1, 1.1, 1).asDiagonal())) {
@@ -59,15 +61,16 @@ TEST(ElementFields, SortPrincipalStressesFromTheLargest) {
   }
 }
 
-// Simple shear k of St. Venant-Kirchhoff: sigma_00 = (l/2 + 2m) k^2 + (l/2 + m) k^4, sigma_11 = (l/2 + m) k^2,
-// sigma_22 = l/2 k^2, sigma_01 = m k + (l/2 + m) k^3.
+// Simple shear k of St. Venant-Kirchhoff: sigma_00 = (l/2 + 2m) k^2 + (l/2 + m) k^4, sigma_11 = (l/2 + m)
+// k^2, sigma_22 = l/2 k^2, sigma_01 = m k + (l/2 + m) k^3.
 TEST(ElementFields, OfSimpleShearAreThoseOfTheClosedForm) {
   const double k = 0.4, l = 3, m = 2;
   Matrix F = Matrix::Identity();
   F(0, 1) = k;
-  const double s00 = (l / 2 + 2 * m) * k * k + (l / 2 + m) * std::pow(k, 4), s11 = (l / 2 + m) * k * k, s22 = l / 2 * k * k,
-               s01 = m * k + (l / 2 + m) * k * k * k;
-  const double mises = std::sqrt(0.5 * (std::pow(s00 - s11, 2) + std::pow(s11 - s22, 2) + std::pow(s22 - s00, 2)) + 3 * s01 * s01);
+  const double s00 = (l / 2 + 2 * m) * k * k + (l / 2 + m) * std::pow(k, 4), s11 = (l / 2 + m) * k * k,
+               s22 = l / 2 * k * k, s01 = m * k + (l / 2 + m) * k * k * k;
+  const double mises = std::sqrt(
+      0.5 * (std::pow(s00 - s11, 2) + std::pow(s11 - s22, 2) + std::pow(s22 - s00, 2)) + 3 * s01 * s01);
   const double mean = (s00 + s11) / 2, radius = std::hypot((s00 - s11) / 2, s01);
   for (const ElementField& field : fields_of(StVenantKirchhoff::from_lame(l, m), F)) {
     EXPECT_NEAR(field.j, 1, 1e-14);
@@ -93,18 +96,20 @@ TEST(ElementFields, UseTheMaterialOfEachTetrahedron) {
   std::vector<std::int32_t> index;
   for (std::size_t t = 0; t < mesh.tetrahedra().size(); ++t) index.push_back(t % 5 == 0);
   const Matrix F = Vec(1.2, 0.9, 1).asDiagonal();
-  const auto fields =
-      softsim::element_fields(mesh, std::vector{soft, stiff}, index, bodies::affine_state(mesh, F, Vec::Zero()));
+  const auto fields = softsim::element_fields(mesh, std::vector{soft, stiff}, index,
+                                              bodies::affine_state(mesh, F, Vec::Zero()));
   for (std::size_t t = 0; t < fields.size(); ++t)
     EXPECT_NEAR(fields[t].energy_density / soft.energy_density(F), t % 5 == 0 ? 100 : 1, 1e-10);
 }
 
-// An inverted tetrahedron shows: J is negative, what the law cannot say is NaN, what another law can say is a number.
+// An inverted tetrahedron shows: J is negative, what the law cannot say is NaN, what another law can say is a
+// number.
 TEST(ElementFields, ShowInvertedTetrahedra) {
   const Matrix F = Vec(1, 1, -0.5).asDiagonal();
   for (const ElementField& field : fields_of(NeoHookean::from_young_poisson(10, 0.3), F)) {
     EXPECT_NEAR(field.j, -0.5, 1e-14);
-    EXPECT_TRUE(std::isnan(field.von_mises) && std::isnan(field.principal[0]) && std::isnan(field.energy_density));
+    EXPECT_TRUE(std::isnan(field.von_mises) && std::isnan(field.principal[0]) &&
+                std::isnan(field.energy_density));
   }
   for (const ElementField& field : fields_of(softsim::StableNeoHookean::from_young_poisson(10, 0.3), F)) {
     EXPECT_NEAR(field.j, -0.5, 1e-14);
@@ -119,7 +124,8 @@ TEST(ElementFields, TakeStatesInSinglePrecision) {
   single.displacement = bodies::affine_state(mesh, F, Vec::Zero()).displacement.cast<float>();
   const auto fields = softsim::element_fields(mesh, std::vector{law}, {}, single);
   const auto exact = fields_of(law, F);
-  for (std::size_t t = 0; t < fields.size(); ++t) EXPECT_NEAR(fields[t].von_mises / exact[t].von_mises, 1, 2e-6);
+  for (std::size_t t = 0; t < fields.size(); ++t)
+    EXPECT_NEAR(fields[t].von_mises / exact[t].von_mises, 1, 2e-6);
 }
 
 }  // namespace

@@ -38,17 +38,19 @@ class Increment : public ::testing::TestWithParam<bool> {
     return y;
   }
 };
-INSTANTIATE_TEST_SUITE_P(, Increment, ::testing::Bool(), [](const auto& parameter) { return parameter.param ? "Lumped" : "Consistent"; });
+INSTANTIATE_TEST_SUITE_P(, Increment, ::testing::Bool(),
+                         [](const auto& parameter) { return parameter.param ? "Lumped" : "Consistent"; });
 
-// The residual of backward Euler written out: M (v - v_0)/h + dE/dq + (alpha M + beta K_0) v with v = (q - q_0)/h.
+// The residual of backward Euler written out: M (v - v_0)/h + dE/dq + (alpha M + beta K_0) v with v = (q -
+// q_0)/h.
 TEST_P(Increment, GradientIsTheResidualOfBackwardEuler) {
   IncrementalPotential<System> potential;
   potential.set_step(system, q_0, v_0, h);
   Vector<double> g;
   (void)potential.gradient(q, g);
   const Vector<double> v = (q.displacement - q_0.displacement) / h;
-  const Vector<double> expected = mass_times(Vector<double>((v - v_0) / h)) + bodies::gradient(system, q) + 2 * mass_times(v) +
-                                  0.05 * bodies::hessian_product(system, q_0, v);
+  const Vector<double> expected = mass_times(Vector<double>((v - v_0) / h)) + bodies::gradient(system, q) +
+                                  2 * mass_times(v) + 0.05 * bodies::hessian_product(system, q_0, v);
   EXPECT_LT(relative_error(g, expected), 1e-13);
 }
 

@@ -94,7 +94,8 @@ TEST(ConsistentMass, OfOneTetrahedronIsThatOfTheTextbooks) {
   EXPECT_EQ(couplings, 12);
 }
 
-// u = (x, y, z) and v = (y, z, x) on the unit cube: int u.v = int xy + yz + zx = 3/4, int u.u = 3 int x^2 = 1.
+// u = (x, y, z) and v = (y, z, x) on the unit cube: int u.v = int xy + yz + zx = 3/4, int u.u = 3 int x^2
+// = 1.
 TEST(ConsistentMass, IntegratesProductsOfLinearFieldsExactly) {
   const auto mass = Mass<double>::consistent(cube, 1000);
   Vector<double> u = Vector<double>::Zero(4 * static_cast<std::ptrdiff_t>(cube.points().size())), v = u;
@@ -119,11 +120,13 @@ TEST(ConsistentMass, IsSymmetricAndPositive) {
     for (std::ptrdiff_t i = 0; i < n; ++i) M(i, j) = column[4 * i];
   }
   EXPECT_LT((M - M.transpose()).norm(), 1e-14 * M.norm());
-  EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(M).eigenvalues()[0], 0.1 * M.diagonal().minCoeff());
+  EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(M).eigenvalues()[0],
+            0.1 * M.diagonal().minCoeff());
 }
 
 TEST(Mass, ProductsAreScaledAndAdded) {
-  for (const auto& mass : {Mass<double>::lumped(cube, densities), Mass<double>::consistent(cube, densities)}) {
+  for (const auto& mass :
+       {Mass<double>::lumped(cube, densities), Mass<double>::consistent(cube, densities)}) {
     const Vector<double> x = bodies::random_vector(cube.points().size(), 1, 4),
                          start = bodies::random_vector(cube.points().size(), 1, 5);
     Vector<double> y = start;
@@ -135,7 +138,8 @@ TEST(Mass, ProductsAreScaledAndAdded) {
 TEST(Mass, RefusesDensitiesByValue) {
   const auto mesh = softsim::box_mesh({1, 1, 1}, {1, 1, 1});
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(refusal([&] { return Mass<double>::lumped(mesh, 0); }), "density 0 kg/m^3: must be positive and finite");
+  EXPECT_EQ(refusal([&] { return Mass<double>::lumped(mesh, 0); }),
+            "density 0 kg/m^3: must be positive and finite");
   EXPECT_EQ(refusal([&] { return Mass<double>::consistent(mesh, -1); }),
             "density -1 kg/m^3: must be positive and finite");
   EXPECT_NE(refusal([&] { return Mass<double>::lumped(mesh, nan); }).find("must be positive and finite"),

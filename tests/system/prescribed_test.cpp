@@ -77,7 +77,9 @@ TEST(Prescribed, SaysHowFarItsComponentsHaveToGo) {
 TEST(Prescribed, RefusesPointsAxesAndValuesThatAreNotThere) {
   const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
   Prescribed<double> prescribed(3);
-  const auto said = [&](auto... arguments) { return refusal([&] { return prescribed.set(arguments...), 0; }); };
+  const auto said = [&](auto... arguments) {
+    return refusal([&] { return prescribed.set(arguments...), 0; });
+  };
   EXPECT_EQ(said(3, Vec(0, 0, 0)), "prescribed node 3: out of range");
   EXPECT_EQ(said(-1, 0, 0.0), "prescribed node -1: out of range");
   EXPECT_EQ(said(1, 3, 0.0), "axis 3: must be 0, 1 or 2");

@@ -48,7 +48,9 @@ std::string refusal(const S& system) {
 const std::string free_cube = "static solve: piece 0 (27 nodes, around 2, 3, 4) is free to move: ";
 const std::string needed = " held, and at least three that are not in line are needed";
 
-TEST(Supports, AFreePieceIsRefused) { EXPECT_EQ(refusal(make_system(cube())), free_cube + "0 of its nodes are" + needed); }
+TEST(Supports, AFreePieceIsRefused) {
+  EXPECT_EQ(refusal(make_system(cube())), free_cube + "0 of its nodes are" + needed);
+}
 
 TEST(Supports, OneNodeIsRefused) {
   auto system = make_system(cube());
@@ -63,7 +65,8 @@ TEST(Supports, TwoNodesAreRefused) {
 }
 
 TEST(Supports, ThreeNodesInLineAreRefused) {
-  for (const std::vector<std::int32_t>& line : {std::vector<std::int32_t>{0, 1, 2}, {0, 13, 26}, {9, 13, 17}}) {
+  for (const std::vector<std::int32_t>& line :
+       {std::vector<std::int32_t>{0, 1, 2}, {0, 13, 26}, {9, 13, 17}}) {
     auto system = make_system(cube());
     system.prescribed.fix(line);
     EXPECT_EQ(refusal(system), free_cube + "3 of its nodes are" + needed);
@@ -71,7 +74,8 @@ TEST(Supports, ThreeNodesInLineAreRefused) {
 }
 
 TEST(Supports, ThreeNodesNotInLineHold) {
-  for (const std::vector<std::int32_t>& corner : {std::vector<std::int32_t>{0, 1, 3}, {0, 2, 24}, {26, 13, 1}}) {
+  for (const std::vector<std::int32_t>& corner :
+       {std::vector<std::int32_t>{0, 1, 3}, {0, 2, 24}, {26, 13, 1}}) {
     auto system = make_system(cube());
     system.prescribed.fix(corner);
     EXPECT_EQ(refusal(system), "");
@@ -109,13 +113,16 @@ TEST(Supports, RollersOnOnePlaneAreRefused) {
 TEST(Supports, EveryPieceHasToBeHeld) {
   auto system = make_system(two_cubes());
   system.prescribed.fix({0, 1, 3});
-  EXPECT_EQ(refusal(system), "static solve: piece 1 (27 nodes, around 12, 3, 4) is free to move: 0 of its nodes are" + needed);
+  EXPECT_EQ(refusal(system),
+            "static solve: piece 1 (27 nodes, around 12, 3, 4) is free to move: 0 of its nodes are" + needed);
   system.prescribed.fix({27, 28});
-  EXPECT_EQ(refusal(system), "static solve: piece 1 (27 nodes, around 12, 3, 4) is free to move: 2 of its nodes are" + needed);
+  EXPECT_EQ(refusal(system),
+            "static solve: piece 1 (27 nodes, around 12, 3, 4) is free to move: 2 of its nodes are" + needed);
   system.prescribed.fix({35});
   EXPECT_EQ(refusal(system), "");
   system.prescribed.release(1);
-  EXPECT_EQ(refusal(system), "static solve: piece 0 (27 nodes, around 2, 3, 4) is free to move: 2 of its nodes are" + needed);
+  EXPECT_EQ(refusal(system),
+            "static solve: piece 0 (27 nodes, around 2, 3, 4) is free to move: 2 of its nodes are" + needed);
 }
 
 // The measure has no unit: a body of a millimetre far from the origin is judged as a big one here.

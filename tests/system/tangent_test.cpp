@@ -18,13 +18,14 @@
 namespace {
 
 using bodies::relative_error;
-using softsim::AssembledTangent, softsim::Mass, softsim::MatrixFreeTangent, softsim::State, softsim::TangentWeights,
-    softsim::Vector;
+using softsim::AssembledTangent, softsim::Mass, softsim::MatrixFreeTangent, softsim::State,
+    softsim::TangentWeights, softsim::Vector;
 using Elastic = softsim::ElasticTetrahedra<softsim::NeoHookean>;
 using Pressure = softsim::Elements<softsim::FollowerPressure>;
 using System = softsim::System<Elastic, Pressure, softsim::DeadLoad<double>>;
 
-static_assert(softsim::LinearOperator<AssembledTangent<System>> && softsim::LinearOperator<MatrixFreeTangent<System>>);
+static_assert(softsim::LinearOperator<AssembledTangent<System>> &&
+              softsim::LinearOperator<MatrixFreeTangent<System>>);
 static_assert(!softsim::LinearOperator<System> && !softsim::LinearOperator<Mass<double>>);
 static_assert(softsim::ForceTerm<System> && !System::conservative);
 static_assert(softsim::Potential<softsim::System<Elastic, softsim::DeadLoad<double>>>);
@@ -61,8 +62,9 @@ class Tangent : public ::testing::Test {
   }
 };
 
-// Mass alone, stiffness alone, lagged with and without a mass, all of them, and the weights of a step of 1 ms.
-constexpr TangentWeights all_weights[] = {{1, 0, 0}, {0, 1, 0}, {0, 2.5, 0},   {3, 1, 0},
+// Mass alone, stiffness alone, lagged with and without a mass, all of them, and the weights of a step of 1
+// ms.
+constexpr TangentWeights all_weights[] = {{1, 0, 0}, {0, 1, 0}, {0, 2.5, 0},  {3, 1, 0},
                                           {0, 1, 7}, {2, 0, 5}, {3, 0.25, 4}, {1e6, 1, 0.1}};
 
 TEST_F(Tangent, BothFormsAgreeForAllWeights) {
@@ -80,8 +82,10 @@ TEST_F(Tangent, BothFormsAgreeForAllWeights) {
         Vector<double> y_assembled(x.size()), y_free(x.size());
         assembled.apply(x, y_assembled);
         matrix_free.apply(x, y_free);
-        EXPECT_LT(relative_error(y_assembled, y), 1e-13) << weights.mass << " " << weights.stiffness << " " << weights.lagged;
-        EXPECT_LT(relative_error(y_free, y), 1e-13) << weights.mass << " " << weights.stiffness << " " << weights.lagged;
+        EXPECT_LT(relative_error(y_assembled, y), 1e-13)
+            << weights.mass << " " << weights.stiffness << " " << weights.lagged;
+        EXPECT_LT(relative_error(y_free, y), 1e-13)
+            << weights.mass << " " << weights.stiffness << " " << weights.lagged;
         EXPECT_LT(relative_error(y_assembled, y_free), 1e-12);
       }
     }
@@ -124,7 +128,8 @@ TEST_F(Tangent, DiagonalBlocksAreThoseOfTheOperator) {
       softsim::Mat3<double> D;
       for (int c = 0; c < 3; ++c) {
         const auto k = static_cast<std::ptrdiff_t>(i);
-        D.col(c) = softsim::block(expected(weights, Vector<double>(Vector<double>::Unit(q.size(), 4 * k + c))), k);
+        D.col(c) =
+            softsim::block(expected(weights, Vector<double>(Vector<double>::Unit(q.size(), 4 * k + c))), k);
       }
       EXPECT_LT((a[i] - D).norm(), 1e-12 * D.norm()) << i;
       EXPECT_LT((b[i] - D).norm(), 1e-12 * D.norm()) << i;
@@ -167,11 +172,12 @@ TEST_F(Tangent, NoticesAnotherMassAndAnotherSystem) {
   copy.mass = Mass<double>::lumped(mesh, 50);
   assembled.set(copy, q, weights);
   assembled.apply(x, y);
-  EXPECT_LT(relative_error(Vector<double>(y - expected(weights, x)), [&] {
-              Vector<double> m = Vector<double>::Zero(x.size());
-              copy.mass.add_product(x, 90, m);
-              return m;
-            }()),
+  EXPECT_LT(relative_error(Vector<double>(y - expected(weights, x)),
+                           [&] {
+                             Vector<double> m = Vector<double>::Zero(x.size());
+                             copy.mass.add_product(x, 90, m);
+                             return m;
+                           }()),
             1e-12);
 }
 

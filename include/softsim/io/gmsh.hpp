@@ -82,7 +82,7 @@ class GmshReader {
     } else if (name == "$PartitionedEntities") {
       header.fail("a partitioned mesh, whose regions are not known; save it unpartitioned");
     } else {
-      skip("$End" + name.substr(1), std::string("$END") + name.substr(1), header);
+      skip(std::string("$End") + name.substr(1), std::string("$END") + name.substr(1), header);
     }
   }
 
@@ -119,8 +119,10 @@ class GmshReader {
 
   /// The line of entry i of n.
   Scanner record(const char* what, std::size_t i, std::size_t n) {
-    const auto which = [&] { return what + (" " + std::to_string(i + 1)) + " of " + std::to_string(n); };
-    if (file_.at_end()) file_.fail("the file ends where " + which() + " was expected");
+    const auto which = [&] {
+      return what + (std::string(" ") + std::to_string(i + 1)) + " of " + std::to_string(n);
+    };
+    if (file_.at_end()) file_.fail(std::string("the file ends where ") + which() + " was expected");
     Scanner line = file_.rest_of_line();
     if (line.peek().front() == '$')
       line.fail(in_quotes(line.peek()) + " stands where " + which() + " was expected");

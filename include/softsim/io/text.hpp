@@ -34,13 +34,13 @@ struct CloseFile {
 /// @throws std::invalid_argument if it cannot be read, is empty or holds a zero byte (binary data)
 [[nodiscard]] inline std::string read_text(const std::string& path) {
   const auto refuse = [&](const std::string& why) { invalid(path + ": " + why); };
-  const auto reason = [] { return " (" + std::generic_category().message(errno) + ")"; };
+  const auto reason = [] { return std::string(" (") + std::generic_category().message(errno) + ")"; };
   const std::unique_ptr<std::FILE, CloseFile> file(std::fopen(path.c_str(), "rb"));
-  if (!file) refuse("cannot be opened" + reason());
+  if (!file) refuse(std::string("cannot be opened") + reason());
   std::string text;
   char block[1 << 16];
   while (const std::size_t n = std::fread(block, 1, sizeof block, file.get())) text.append(block, n);
-  if (std::ferror(file.get()) != 0) refuse("cannot be read" + reason());
+  if (std::ferror(file.get()) != 0) refuse(std::string("cannot be read") + reason());
   if (text.empty()) refuse("the file is empty");
   const std::size_t zero = text.find('\0');
   if (zero != std::string::npos) {

@@ -26,7 +26,8 @@ class VtuReader {
 
   [[nodiscard]] ElementList read() {
     const XmlElement root = XmlParser(path_, text_).parse();
-    if (root.name != "VTKFile") root.at.fail("<" + root.name + "> stands where <VTKFile> was expected");
+    if (root.name != "VTKFile")
+      root.at.fail(std::string("<") + root.name + "> stands where <VTKFile> was expected");
     if (root.required("type") != "UnstructuredGrid")
       root.at.fail(std::string("file type ") + in_quotes(root.required("type")) +
                    " is not read, only UnstructuredGrid");
@@ -65,7 +66,8 @@ class VtuReader {
   }
   static const XmlElement& required_array(const XmlElement& parent, std::string_view name) {
     const XmlElement* found = array(parent, name);
-    if (found == nullptr) parent.at.fail("<" + parent.name + "> holds no <DataArray> " + std::string(name));
+    if (found == nullptr)
+      parent.at.fail(std::string("<") + parent.name + "> holds no <DataArray> " + std::string(name));
     return *found;
   }
 

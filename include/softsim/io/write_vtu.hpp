@@ -215,8 +215,9 @@ class VtuSeries {
   /// @param folder must exist; empty means the working folder
   /// @throws std::invalid_argument if the name is empty or holds a slash or a control character
   VtuSeries(std::string folder, std::string name) : name_(std::move(name)) {
-    detail::check_xml_name("VTU series '" + name_ + "'", name_);
-    if (name_.find('/') != std::string::npos) invalid("VTU series '" + name_ + "': its name holds a slash");
+    detail::check_xml_name(std::string("VTU series '") + name_ + "'", name_);
+    if (name_.find('/') != std::string::npos)
+      invalid(std::string("VTU series '") + name_ + "': its name holds a slash");
     path_ = std::move(folder);
     if (!path_.empty() && path_.back() != '/') path_ += '/';
   }
@@ -226,7 +227,7 @@ class VtuSeries {
   /// @throws std::invalid_argument also if the time is not finite or not later than the last one
   void add(double time, const std::vector<Vec3<double>>& points, const std::vector<Tetrahedron>& tetrahedra,
            const std::vector<Field>& point_fields = {}, const std::vector<Field>& cell_fields = {}) {
-    const std::string what = "VTU series '" + name_ + "': time " + to_text(time) + " s";
+    const std::string what = std::string("VTU series '") + name_ + "': time " + to_text(time) + " s";
     if (!std::isfinite(time)) invalid(what + ": is not a finite number");
     if (size_ != 0 && !(time > last_time_))
       invalid(what + ": is not later than the last, " + to_text(last_time_) + " s");

@@ -38,7 +38,7 @@ struct XmlElement {
     const XmlElement* found = nullptr;
     for (const XmlElement& c : children) {
       if (c.name != wanted) continue;
-      if (found != nullptr) c.at.fail("a second <" + c.name + "> in <" + name + ">");
+      if (found != nullptr) c.at.fail(std::string("a second <") + c.name + "> in <" + name + ">");
       found = &c;
     }
     return found;
@@ -79,7 +79,7 @@ class XmlParser {
       if (open.size() > deepest) here(0).fail("elements are nested too deeply");
     }
     if (open.size() > 1)
-      open.back().at.fail("<" + open.back().name + "> is not closed; the file may be truncated");
+      open.back().at.fail(std::string("<") + open.back().name + "> is not closed; the file may be truncated");
     if (open[0].children.size() != 1) here(0).fail("the file holds no XML element");
     return std::move(open[0].children[0]);
   }
@@ -127,8 +127,8 @@ class XmlParser {
     advance(2);
     const std::string found = name();
     if (open.size() == 1 || found != open.back().name)
-      here(0).fail("</" + found + "> closes nothing" +
-                   (open.size() == 1 ? "" : "; <" + open.back().name + "> was opened last"));
+      here(0).fail(std::string("</") + found + "> closes nothing" +
+                   (open.size() == 1 ? "" : std::string("; <") + open.back().name + "> was opened last"));
     skip_space();
     expect('>');
     close_top(open);
@@ -147,7 +147,7 @@ class XmlParser {
       skip_space();
       expect('=');
       skip_space();
-      if (element.attribute(key) != nullptr) here(0).fail("attribute " + key + " is repeated");
+      if (element.attribute(key) != nullptr) here(0).fail(std::string("attribute ") + key + " is repeated");
       element.attributes.emplace_back(std::move(key), value());
     }
     const bool empty = now() == '/';

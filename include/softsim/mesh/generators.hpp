@@ -93,9 +93,10 @@ inline std::array<double, 2> square_to_disc(double x, double y) {
                                               const Vec3<double>& origin = Vec3<double>::Zero()) {
   for (int a = 0; a < 3; ++a) {
     const std::string axis = std::string("[") + std::to_string(a) + "]";
-    detail::check_count("cells" + axis, cells[static_cast<std::size_t>(a)]);
-    detail::check_length("lengths" + axis, lengths[a]);
-    if (!std::isfinite(origin[a])) invalid("origin" + axis + " " + to_text(origin[a]) + ": must be finite");
+    detail::check_count(std::string("cells") + axis, cells[static_cast<std::size_t>(a)]);
+    detail::check_length(std::string("lengths") + axis, lengths[a]);
+    if (!std::isfinite(origin[a]))
+      invalid(std::string("origin") + axis + " " + to_text(origin[a]) + ": must be finite");
   }
   std::vector<Vec3<double>> points;
   points.reserve(detail::grid_node_count(cells[0], cells[1], cells[2]));
