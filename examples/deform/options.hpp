@@ -271,6 +271,7 @@ inline void apply(const Argument& argument, Options& o) {
     const std::vector<double> v = numbers(argument, text, 2, 2);
     o.alpha = v[0];
     o.beta = v[1];
+    if (!(o.alpha >= 0 && o.beta >= 0)) argument.refuse("must not be negative");
   } else if (name == "--pull") {
     const auto [where, force] = at_colon(argument, "SIDE:FX,FY,FZ");
     o.pulls.push_back({side(argument, where), vector(argument, force)});
@@ -325,8 +326,6 @@ inline Options parse(const std::vector<std::string>& words) {
   check(o.statics || o.dt > 0, "--dt", o.dt, "must be positive");
   check(o.tolerance > 0 && o.tolerance < 1, "--tolerance", o.tolerance, "must lie in (0, 1)");
   check(o.scale > 0, "--scale", o.scale, "must be positive");
-  check(o.alpha >= 0, "--rayleigh: A", o.alpha, "must not be negative");
-  check(o.beta >= 0, "--rayleigh: B", o.beta, "must not be negative");
   check(!has("--write-every") || o.write_every >= 1, "--write-every", o.write_every, "must be at least 1");
   check(o.fix_depth >= 0 && o.fix_depth <= 1, "--fix-depth", o.fix_depth, "must lie in [0, 1]");
   if (o.newton && o.semi_explicit) invalid("--newton: only backward-euler solves for its step");

@@ -62,6 +62,8 @@ TEST(BackwardEuler, ConvergedStepFulfilsTheEquationOfMotion) {
   System system = cube({0, 0, -10});
   system.damping = {alpha, beta};
   const Motion<double> start = random_motion(system);
+  // one node moves on its way, and its neighbours feel it within the step
+  system.prescribed.set(25, Vec(start.q.point(25)) + Vec(0.1, -0.05, 0.2));
   Motion<double> motion = start;
   Euler euler({.dt = h, .newton = true, .tolerance = 1e-11});
   const StepReport report = euler.step(system, motion);
@@ -83,6 +85,8 @@ TEST(BackwardEuler, LinearisedStepFulfilsTheLinearisedEquation) {
   System system = cube({0, 0, -10});
   system.damping = {alpha, beta};
   const Motion<double> start = random_motion(system);
+  // one node moves on its way, and its neighbours feel it within the step
+  system.prescribed.set(25, Vec(start.q.point(25)) + Vec(0.1, -0.05, 0.2));
   Motion<double> motion = start;
   Euler euler({.dt = h, .tolerance = 1e-12});
   const StepReport report = euler.step(system, motion);

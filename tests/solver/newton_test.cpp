@@ -13,6 +13,7 @@
 #include "potential/bodies.hpp"
 #include "softsim/integrator/static_solver.hpp"
 #include "softsim/material/neo_hookean.hpp"
+#include "softsim/material/stable_neo_hookean.hpp"
 #include "softsim/mesh/selection.hpp"
 #include "softsim/potential/dead_load.hpp"
 #include "softsim/potential/elastic.hpp"
@@ -150,6 +151,25 @@ TEST(Newton, LineSearchKeepsTheLawDefined) {
       EXPECT_EQ(report.status, Status::converged) << g << ": " << report.reason;
     }
   }
+}
+
+// Full steps would be finite with this law, and one of them would go uphill.
+TEST(Newton, EnergyFallsWithEveryIteration) {
+  const auto mesh = softsim::box_mesh({9, 3, 3}, {3, 1, 1});
+  softsim::System system(mesh,
+                         softsim::elastic(mesh, softsim::StableNeoHookean::from_young_poisson(1000, 0.3)),
+                         softsim::gravity(mesh, 1, {0, 0, -300}));
+  system.prescribed.fix(softsim::nodes_near(mesh, Side::xmin, 0));
+  double before = 0;  // at rest
+  Status status = Status::not_converged;
+  for (int k = 1; k <= 30 && status != Status::converged; ++k) {
+    State<double> q(mesh.points().size());
+    status = StaticSolver<decltype(system)>({.max_iterations = k}).solve(system, q).status;
+    const double energy = system.energy(q);
+    EXPECT_LE(energy, before + 1e-12 * std::abs(before)) << k;
+    before = energy;
+  }
+  EXPECT_EQ(status, Status::converged);
 }
 
 TEST(Newton, ReportsAStartThatHasNoForcesAndLeavesIt) {
