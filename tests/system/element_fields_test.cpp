@@ -128,4 +128,13 @@ TEST(ElementFields, TakeStatesInSinglePrecision) {
     EXPECT_NEAR(fields[t].von_mises / exact[t].von_mises, 1, 2e-6);
 }
 
+TEST(ElementFields, RefuseIndicesThatDoNotFit) {
+  const auto box = softsim::box_mesh({1, 1, 1}, {1, 1, 1});
+  const std::vector<softsim::NeoHookean> laws{softsim::NeoHookean::from_young_poisson(10, 0.3)};
+  const State<double> q(box.points().size());
+  EXPECT_THROW((void)softsim::element_fields(box, laws, {0, 0}, q), std::invalid_argument);
+  EXPECT_THROW((void)softsim::element_fields(box, laws, {0, 0, 0, 0, 0, 1}, q), std::invalid_argument);
+  EXPECT_THROW((void)softsim::element_fields(box, laws, {0, 0, 0, 0, 0, -1}, q), std::invalid_argument);
+}
+
 }  // namespace

@@ -4,11 +4,14 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "potential/bodies.hpp"
 #include "softsim/material/neo_hookean.hpp"
+#include "softsim/mesh/generators.hpp"
 #include "softsim/mesh/selection.hpp"
 #include "softsim/potential/dead_load.hpp"
 #include "softsim/potential/elastic.hpp"
@@ -179,6 +182,29 @@ TEST_F(Tangent, NoticesAnotherMassAndAnotherSystem) {
                              return m;
                            }()),
             1e-12);
+}
+
+// Two boxes of 6 cells along different axes have the same counts and different neighbours.
+TEST(TangentOfAnotherSystem, AtTheSameAddressGetsItsOwnPattern) {
+  using Body = softsim::System<Elastic>;
+  const auto law = softsim::NeoHookean::from_young_poisson(10, 0.3);
+  std::optional<Body> body;
+  AssembledTangent<Body> assembled;
+  MatrixFreeTangent<Body> free;
+  for (const std::array<int, 3> cells : {std::array{6, 1, 1}, std::array{1, 6, 1}}) {
+    const auto mesh = softsim::box_mesh(cells, {1, 1, 1});
+    body.emplace(mesh, softsim::elastic(mesh, law));
+    const State<double> q = bodies::random_state<double>(mesh.points().size(), 0.01, 8);
+    const Vector<double> x = bodies::random_vector<double>(mesh.points().size(), 1, 9);
+    assembled.set(*body, q, {});
+    free.set(*body, q, {});
+    Vector<double> y(x.size()), expected = Vector<double>::Zero(x.size());
+    body->add_hessian_product(q, x, expected);
+    assembled.apply(x, y);
+    EXPECT_LT(relative_error(y, expected), 1e-12);
+    free.apply(x, y);
+    EXPECT_LT(relative_error(y, expected), 1e-12);
+  }
 }
 
 TEST(TangentInSinglePrecision, AgreesWithDoubles) {

@@ -7,9 +7,11 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "softsim/concepts.hpp"
+#include "softsim/core/error.hpp"
 #include "softsim/kinematics/linear_tetrahedron.hpp"
 #include "softsim/mesh/tetrahedral_mesh.hpp"
 
@@ -36,11 +38,19 @@ struct ElementField {
 
 /// Fields of every tetrahedron at q, in the order of the mesh; arguments as for `elastic`. Stresses of a
 /// tetrahedron whose F the law is not defined for (J <= 0 for Neo-Hookean) are NaN.
+/// @throws std::invalid_argument as `elastic` does for its list of indices
 template <class T, class M>
 [[nodiscard]] std::vector<ElementField> element_fields(const TetrahedralMesh& mesh,
                                                        const std::vector<M>& materials,
                                                        const std::vector<std::int32_t>& material_index,
                                                        const State<T>& q) {
+  if (materials.empty() || (!material_index.empty() && material_index.size() != mesh.tetrahedra().size()))
+    invalid(std::string("element fields: ") + std::to_string(materials.size()) + " materials and " +
+            std::to_string(material_index.size()) + " indices for " +
+            std::to_string(mesh.tetrahedra().size()) + " tetrahedra");
+  for (const std::int32_t m : material_index)
+    if (m < 0 || static_cast<std::size_t>(m) >= materials.size())
+      invalid(std::string("element fields: material index ") + std::to_string(m) + " is out of range");
   std::vector<ElementField> fields;
   fields.reserve(mesh.tetrahedra().size());
   for (std::size_t t = 0; t < mesh.tetrahedra().size(); ++t) {

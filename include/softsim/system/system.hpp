@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -19,6 +21,13 @@ struct Rayleigh {
   double alpha = 0;  ///< 1/s
   double beta = 0;   ///< s
 };
+
+namespace detail {
+inline std::uint64_t next_system_number() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
+}
+}  // namespace detail
 
 /// Force terms over one set of points, with mass, damping and prescribed components. Models `Potential`
 /// itself where all its terms do. The terms are public: a load may be changed between steps.
@@ -45,6 +54,9 @@ class System {
 
   /// Rest positions of the points, m.
   [[nodiscard]] const std::vector<Vec3<double>>& rest() const { return rest_; }
+  /// Different for every system that is made of a mesh, shared by copies: tells a cached pattern that a
+  /// system at the same address is another one.
+  [[nodiscard]] std::uint64_t number() const { return number_; }
   /// Scalars in a flat vector of this system.
   [[nodiscard]] std::ptrdiff_t size() const {
     return block_stride * static_cast<std::ptrdiff_t>(rest_.size());
@@ -84,6 +96,7 @@ class System {
 
  private:
   std::vector<Vec3<double>> rest_;
+  std::uint64_t number_ = detail::next_system_number();
 };
 
 }  // namespace softsim

@@ -66,9 +66,10 @@ class AssembledTangent {
 
   /// Linearises `system` at q (and q_0, if its weight is not zero).
   void set(const S& system, const State<T>& q, const TangentWeights& weights, const State<T>* q_0 = nullptr) {
-    if (system_ != &system || stencils_ != detail::stencil_count(system) ||
+    if (number_ != system.number() || stencils_ != detail::stencil_count(system) ||
         mass_positions_.size() != system.mass.couplings())
       make_pattern(system);
+    system_ = &system;
     matrix_.set_zero();
     detail::add_stiffness(system, q, weights.stiffness, positions_, matrix_.values());
     if (weights.lagged != 0)
@@ -102,7 +103,7 @@ class AssembledTangent {
 
  private:
   void make_pattern(const S& system) {
-    system_ = &system;
+    number_ = system.number();
     stencils_ = detail::stencil_count(system);
     const std::size_t n = system.rest().size();
     std::vector<std::pair<std::int32_t, std::int32_t>> blocks;
@@ -130,6 +131,7 @@ class AssembledTangent {
   }
 
   const S* system_ = nullptr;
+  std::uint64_t number_ = 0;
   std::size_t stencils_ = 0;
   BlockMatrix<T> matrix_;
   std::vector<std::vector<std::int32_t>> positions_;
@@ -144,8 +146,8 @@ class MatrixFreeTangent {
 
   /// Linearises `system` at q (and q_0, if its weight is not zero); the states must stay alive and unchanged.
   void set(const S& system, const State<T>& q, const TangentWeights& weights, const State<T>* q_0 = nullptr) {
-    if (system_ != &system || stencils_ != detail::stencil_count(system)) {
-      system_ = &system;
+    if (number_ != system.number() || stencils_ != detail::stencil_count(system)) {
+      number_ = system.number();
       stencils_ = detail::stencil_count(system);
       positions_.clear();
       system.for_each_term([&](const auto& term) {
@@ -153,6 +155,7 @@ class MatrixFreeTangent {
             detail::stencil_positions(term, [](std::int32_t i, std::int32_t j) { return i == j ? i : -1; }));
       });
     }
+    system_ = &system;
     q_ = &q;
     q_0_ = q_0;
     weights_ = weights;
@@ -190,6 +193,7 @@ class MatrixFreeTangent {
   const S* system_ = nullptr;
   const State<T>*q_ = nullptr, *q_0_ = nullptr;
   TangentWeights weights_;
+  std::uint64_t number_ = 0;
   std::size_t stencils_ = 0;
   std::vector<std::vector<std::int32_t>> positions_;
   mutable Vector<T> scratch_;
