@@ -151,27 +151,4 @@ TEST(BoundaryTriangles, EncloseTheBodyWithoutGaps) {
   EXPECT_NEAR(enclosed, 6, 1e-12);
 }
 
-TEST(Pieces, AreCountedInTheOrderOfTheNodes) {
-  Points points = unit_corners();
-  for (const Vec& x : unit_corners()) points.push_back(x + Vec(5, 0, 0));
-  EXPECT_EQ(softsim::pieces(TetrahedralMesh(points, {{4, 5, 6, 7}, {0, 1, 2, 3}})),
-            (std::vector<int>{0, 0, 0, 0, 1, 1, 1, 1}));
-
-  // Interleaved numbers: piece 0 holds the even nodes.
-  Points interleaved;
-  for (std::size_t i = 0; i < 4; ++i) {
-    interleaved.push_back(points[i]);
-    interleaved.push_back(points[4 + i]);
-  }
-  EXPECT_EQ(softsim::pieces(TetrahedralMesh(interleaved, {{1, 3, 5, 7}, {0, 2, 4, 6}})),
-            (std::vector<int>{0, 1, 0, 1, 0, 1, 0, 1}));
-}
-
-TEST(Pieces, ThatShareANodeAreOne) {
-  Points points = unit_corners();
-  points.insert(points.end(), {{2, 0, 0}, {1, 1, 0}, {1, 0, 1}});
-  const TetrahedralMesh mesh(points, {{0, 1, 2, 3}, {1, 4, 5, 6}});
-  EXPECT_EQ(softsim::pieces(mesh), std::vector<int>(7, 0));
-}
-
 }  // namespace

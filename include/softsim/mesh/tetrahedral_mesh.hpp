@@ -8,7 +8,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
-#include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
@@ -146,29 +145,6 @@ class TetrahedralMesh {
   std::vector<Triangle> result;
   for (const auto& [key, entry] : count)
     if (entry.second == 1) result.push_back(entry.first);
-  return result;
-}
-
-/// Number of the connected piece of each node, counted from 0 in the order of the nodes.
-[[nodiscard]] inline std::vector<int> pieces(const TetrahedralMesh& mesh) {
-  std::vector<std::int32_t> parent(mesh.points().size());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](std::int32_t i) {
-    while (parent[static_cast<std::size_t>(i)] != i) {
-      auto& p = parent[static_cast<std::size_t>(i)];
-      i = p = parent[static_cast<std::size_t>(p)];
-    }
-    return i;
-  };
-  for (const Tetrahedron& v : mesh.tetrahedra())
-    for (std::size_t a = 1; a < 4; ++a) parent[static_cast<std::size_t>(root(v[a]))] = root(v[0]);
-  std::vector<int> number(parent.size(), -1), result(parent.size());
-  int next = 0;
-  for (std::size_t i = 0; i < parent.size(); ++i) {
-    int& n = number[static_cast<std::size_t>(root(static_cast<std::int32_t>(i)))];
-    if (n < 0) n = next++;
-    result[i] = n;
-  }
   return result;
 }
 

@@ -37,6 +37,7 @@ class Newton {
 
   NewtonOptions options;
 
+  /// @throws std::invalid_argument for a tolerance <= 0 or fewer than one iteration
   explicit Newton(const NewtonOptions& options_ = {}) : options(options_) {
     if (!(options.tolerance > 0))
       invalid(std::string("tolerance ") + to_text(options.tolerance) + ": must be positive");

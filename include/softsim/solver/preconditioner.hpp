@@ -18,6 +18,7 @@ class NoPreconditioner {
   /// Nothing to prepare.
   template <class A>
   void compute(const A&, const Vector<T>&) {}
+  /// Applies it to r.
   void apply(const Vector<T>& r, Vector<T>& z) const { z = r; }
 };
 
@@ -37,6 +38,7 @@ class Jacobi {
         inverse_[k] = free[k] == T(0) ? T(0) : d > T(0) ? 1 / d : T(1);
       }
   }
+  /// Applies it to r.
   void apply(const Vector<T>& r, Vector<T>& z) const { z.array() = inverse_.array() * r.array(); }
 
  private:
@@ -74,6 +76,7 @@ class BlockJacobi {
       }
     }
   }
+  /// Applies it to r.
   void apply(const Vector<T>& r, Vector<T>& z) const {
     using Four = Batch<T, 4>;
     const T* p = inverse_.data();

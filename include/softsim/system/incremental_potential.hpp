@@ -27,6 +27,7 @@ class IncrementalPotential {
     set(system, &q_0, &v_0, h);
   }
 
+  /// The system of the last `set_static` or `set_step`.
   [[nodiscard]] const S& system() const { return *system_; }
 
   /// Value at q, J.
