@@ -4,7 +4,6 @@
 
 #include <Eigen/Core>
 #include <cmath>
-#include <cstring>
 #include <type_traits>
 
 // With the instruction set the layout of a batch changes: the namespace carries the width, so that objects
@@ -34,6 +33,9 @@ namespace simd_detail {
 template <class T, int N>
 struct VectorRegister {
   typedef T type __attribute__((vector_size(sizeof(T) * N), aligned(16)));
+  // For reading and writing at any address in one instruction: for memcpy g++ may take two halves and a
+  // detour through the stack, where the halves written last are slow to read as one.
+  typedef T in_memory __attribute__((vector_size(sizeof(T) * N), aligned(alignof(T)), may_alias));
 };
 template <class T>
 using MaskInteger = std::conditional_t<sizeof(T) == 8, long long, int>;
@@ -70,19 +72,23 @@ struct Batch {
   Register lanes;
 
   Batch() = default;
+  // Written out: the implicit ones copy memory instead of a register with g++.
+  [[gnu::always_inline]] Batch(const Batch& b) : lanes(b.lanes) {}
+  [[gnu::always_inline]] Batch& operator=(const Batch& b) {
+    lanes = b.lanes;
+    return *this;
+  }
   Batch(const Register& r) : lanes(r) {}  // by reference: passing wide registers by value changes the ABI
   /// Every lane takes the value s.
   template <class S>
   requires std::is_arithmetic_v<S> Batch(S s) : lanes(static_cast<T>(s) - Register{}) {}
 
   /// Reads N consecutive values; no alignment is assumed.
-  static Batch load(const T* p) {
-    Batch b;
-    std::memcpy(&b.lanes, p, sizeof(Register));
-    return b;
+  [[gnu::always_inline]] static Batch load(const T* p) {
+    return Batch(Register(*reinterpret_cast<const InMemory*>(p)));
   }
   /// Writes N consecutive values; no alignment is assumed.
-  void store(T* p) const { std::memcpy(p, &lanes, sizeof(Register)); }
+  [[gnu::always_inline]] void store(T* p) const { *reinterpret_cast<InMemory*>(p) = lanes; }
 
   Batch operator-() const { return Batch(Register(-lanes)); }
   Batch& operator+=(const Batch& b) {
@@ -122,12 +128,6 @@ struct Batch {
   friend Batch sqrt(const Batch& a) {
     return map(a, [](const auto& x) { return x.sqrt(); });
   }
-  friend Batch log(const Batch& a) {
-    return map(a, [](const auto& x) { return x.log(); });
-  }
-  friend Batch log1p(const Batch& a) {
-    return map(a, [](const auto& x) { return x.log1p(); });
-  }
   friend Batch exp(const Batch& a) {
     return map(a, [](const auto& x) { return x.exp(); });
   }
@@ -137,11 +137,13 @@ struct Batch {
   }
 
  private:
+  using InMemory = typename simd_detail::VectorRegister<T, N>::in_memory;
+
   // Eigen's array functions vectorise without -ffast-math, a loop over std::log does not.
   template <class Function>
   static Batch map(const Batch& a, Function f) {
     Eigen::Array<T, N, 1> x;
-    std::memcpy(x.data(), &a.lanes, sizeof(Register));
+    a.store(x.data());
     const Eigen::Array<T, N, 1> y = f(x);
     return load(y.data());
   }
@@ -212,3 +214,5 @@ struct Eigen::NumTraits<softsim::Batch<T, N>> : Eigen::NumTraits<T> {
     MulCost = 1
   };
 };
+
+#include "softsim/core/elementary.hpp"  // log, log1p and inverse_cbrt belong to the type

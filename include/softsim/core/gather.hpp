@@ -73,11 +73,53 @@ template <class T, int N, int... L>
   (add_group<L / 4>(r[L % 4], base + block_stride * static_cast<std::ptrdiff_t>(ids[L])), ...);
 }
 
+// Lane L of nine entries, the first eight of which have been transposed: group L / 4 of batch L % 4.
+template <int L, class T, int N>
+[[gnu::always_inline]] inline void add_matrix(const Batch<T, N> (&low)[4], const Batch<T, N> (&high)[4],
+                                              const T (&last)[N], T* values, const std::int32_t* positions,
+                                              int stride, int count) {
+  if (L >= count || positions[L * stride] < 0) return;
+  T* p = values + 9 * static_cast<std::ptrdiff_t>(positions[L * stride]);
+  add_group<L / 4>(low[L % 4], p);
+  add_group<L / 4>(high[L % 4], p + 4);
+  p[8] += last[L];
+}
+
+template <class T, int N, int... L>
+[[gnu::always_inline]] inline void add_matrices(const Batch<T, N> (&low)[4], const Batch<T, N> (&high)[4],
+                                                const T (&last)[N], T* values, const std::int32_t* positions,
+                                                int stride, int count, std::integer_sequence<int, L...>) {
+  (add_matrix<L>(low, high, last, values, positions, stride, count), ...);
+}
+
 }  // namespace simd_detail
 
 /// Numbers of N blocks of a flat vector.
 template <int N>
 using BlockIds = std::array<std::int32_t, static_cast<std::size_t>(N)>;
+
+namespace simd_detail {
+
+// Batch i holds the blocks of lanes i, i + 4, ...: one lane group each.
+template <class T, int N>
+[[gnu::always_inline]] inline void load_blocks(const T* base, const BlockIds<N>& ids, Batch<T, N> (&r)[4]) {
+  for (int i = 0; i < 4; ++i) load_groups(base, ids.data() + i, r[i]);
+}
+
+// Adds what `load_blocks` would read, for the first `count` lanes.
+template <class T, int N>
+[[gnu::always_inline]] inline void add_blocks(T* base, const BlockIds<N>& ids, const Batch<T, N> (&r)[4],
+                                              int count) {
+  if (count == N) return add_groups(r, base, ids.data(), std::make_integer_sequence<int, N>{});
+  T parts[4][N];
+  for (int i = 0; i < 4; ++i) r[i].store(parts[i]);
+  for (int l = 0; l < count; ++l) {
+    T* p = base + block_stride * static_cast<std::ptrdiff_t>(ids[static_cast<std::size_t>(l)]);
+    (Batch<T, 4>::load(p) + Batch<T, 4>::load(parts[l % 4] + l / 4 * 4)).store(p);
+  }
+}
+
+}  // namespace simd_detail
 
 /// The blocks with the given numbers of the flat vector at `base`, component by component.
 template <class T, int N>
@@ -89,7 +131,7 @@ template <class T, int N>
   } else {
     using B = Batch<T, N>;
     B r[4];
-    for (int i = 0; i < 4; ++i) simd_detail::load_groups(base, ids.data() + i, r[i]);
+    simd_detail::load_blocks(base, ids, r);
     simd_detail::transpose_groups(r, std::make_integer_sequence<int, N>{});
     return Vec3<B>(r[0], r[1], r[2]);
   }
@@ -104,16 +146,81 @@ template <class T, int N>
     T* p = base + block_stride * static_cast<std::ptrdiff_t>(ids[0]);
     for (int a = 0; a < 3; ++a) p[a] += v[a];
   } else {
-    constexpr auto all = std::make_integer_sequence<int, N>{};
     Batch<T, N> r[4] = {v[0], v[1], v[2], Batch<T, N>(0)};
-    simd_detail::transpose_groups(r, all);
-    if (count == N) return simd_detail::add_groups(r, base, ids.data(), all);
-    T parts[4][N];
-    for (int i = 0; i < 4; ++i) r[i].store(parts[i]);
-    for (int l = 0; l < count; ++l) {
-      T* p = base + block_stride * static_cast<std::ptrdiff_t>(ids[static_cast<std::size_t>(l)]);
-      (Batch<T, 4>::load(p) + Batch<T, 4>::load(parts[l % 4] + l / 4 * 4)).store(p);
+    simd_detail::transpose_groups(r, std::make_integer_sequence<int, N>{});
+    simd_detail::add_blocks(base, ids, r, count);
+  }
+}
+
+/// As `gather_blocks` for P points, each less the first: `v[0]` is zero. One subtraction a point before the
+/// transposition, and no transposition for the first: what a translation cannot change costs a quarter less.
+template <class T, int N, std::size_t P>
+[[gnu::always_inline]] inline void gather_relative(const T* base, const std::array<BlockIds<N>, P>& ids,
+                                                   std::array<Vec3<Lanes<T, N>>, P>& v) {
+  using L = Lanes<T, N>;
+  v[0] = Vec3<L>(L(0), L(0), L(0));
+  if constexpr (N == 1) {
+    const Vec3<T> first = gather_blocks<T, 1>(base, ids[0]);
+    for (std::size_t i = 1; i < P; ++i) v[i] = gather_blocks<T, 1>(base, ids[i]) - first;
+  } else {
+    L first[4];
+    simd_detail::load_blocks(base, ids[0], first);
+    for (std::size_t i = 1; i < P; ++i) {
+      L r[4];
+      simd_detail::load_blocks(base, ids[i], r);
+      for (int k = 0; k < 4; ++k) r[k] -= first[k];
+      simd_detail::transpose_groups(r, std::make_integer_sequence<int, N>{});
+      v[i] = Vec3<L>(r[0], r[1], r[2]);
     }
+  }
+}
+
+/// As `scatter_add_blocks` for forces on P points that balance: the three components of point i stand at
+/// f[3 i]; those of point 0 are not read, it gets minus the sum of the others.
+template <class T, int N, std::size_t P>
+[[gnu::always_inline]] inline void scatter_add_balanced(T* base, const std::array<BlockIds<N>, P>& ids,
+                                                        const Lanes<T, N>* f, int count = N) {
+  using L = Lanes<T, N>;
+  if constexpr (N == 1) {
+    Vec3<T> sum = Vec3<T>::Zero();
+    for (std::size_t i = 1; i < P; ++i) {
+      const Vec3<T> v(f[3 * i], f[3 * i + 1], f[3 * i + 2]);
+      scatter_add_blocks<T, 1>(base, ids[i], v);
+      sum -= v;
+    }
+    scatter_add_blocks<T, 1>(base, ids[0], sum);
+  } else {
+    L sum[4] = {L(0), L(0), L(0), L(0)};
+    for (std::size_t i = 1; i < P; ++i) {
+      L r[4] = {f[3 * i], f[3 * i + 1], f[3 * i + 2], L(0)};
+      simd_detail::transpose_groups(r, std::make_integer_sequence<int, N>{});
+      for (int k = 0; k < 4; ++k) sum[k] -= r[k];
+      simd_detail::add_blocks(base, ids[i], r, count);
+    }
+    simd_detail::add_blocks(base, ids[0], sum, count);
+  }
+}
+
+/// Adds lane l of the 3x3 matrix m (and of nothing else) to the nine scalars, column by column, at
+/// values + 9 positions[l * stride], for the first `count` lanes; a negative position leaves its lane out.
+// Not inlined: an assembly calls it for sixteen blocks and more, and each would be a few hundred instructions.
+template <class T, int N>
+[[gnu::noinline]] void scatter_add_matrix(T* values, const std::int32_t* positions, int stride,
+                                                      const Mat3<Lanes<T, N>>& m, int count = N) {
+  if constexpr (N == 1) {
+    if (positions[0] < 0) return;
+    T* p = values + 9 * static_cast<std::ptrdiff_t>(positions[0]);
+    for (int k = 0; k < 9; ++k) p[k] += m.data()[k];
+  } else {
+    constexpr auto all = std::make_integer_sequence<int, N>{};
+    using B = Batch<T, N>;
+    const B* entry = m.data();
+    B low[4] = {entry[0], entry[1], entry[2], entry[3]}, high[4] = {entry[4], entry[5], entry[6], entry[7]};
+    simd_detail::transpose_groups(low, all);
+    simd_detail::transpose_groups(high, all);
+    alignas(64) T last[N];
+    entry[8].store(last);
+    simd_detail::add_matrices(low, high, last, values, positions, stride, count, all);
   }
 }
 

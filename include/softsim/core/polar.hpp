@@ -80,33 +80,20 @@ struct QuaternionEigenbasis {
   }
 };
 
-}  // namespace detail
-
-/// Rotation R (det R = +1, always) that maximises tr(R^T F), the nearest rotation to F: F = R S with S
-/// symmetric, indefinite where det F < 0. With F's singular values s1 >= s2 >= |s3|, s3 signed like det F, R
-/// is unique unless s2 + s3 = 0 (rank 1 or 0; two equal smallest singular values of an inverted F); its error
-/// is at most about 100 machine epsilons times s1 / (s2 + s3). Without uniqueness the result is one of the
-/// maximisers (within 128 epsilons of the largest entry of F), drawn towards the one that turns least; F = 0
-/// gives I. Defined for every finite F and free of branches on values; R does not depend on the size of F,
-/// except that a subnormal F is drawn towards I. NaN and infinity give NaN.
-///
-/// Horn's quaternion form (J. Opt. Soc. Am. A 4, 1987), diagonalised by four Jacobi sweeps: unlike an
-/// eigenvector from the characteristic polynomial that also holds where the largest eigenvalue is nearly
-/// multiple.
+/// Rotation factor by Horn's quaternion form (J. Opt. Soc. Am. A 4, 1987), diagonalised by four Jacobi
+/// sweeps: unlike anything made from the characteristic polynomial that also holds where the largest
+/// eigenvalue is nearly multiple. A is F divided by its largest entry.
 template <class T>
-[[nodiscard]] Mat3<T> rotation_factor(const Mat3<T>& F) {
-  using std::abs, std::max, std::sqrt;
+[[nodiscard, gnu::noinline, gnu::flatten]] Mat3<T> rotation_by_sweeps(const Mat3<T>& A) {
+  using std::sqrt;
   using Real = decltype(lane(std::declval<T>(), 0));
   using Quaternion = Eigen::Matrix<T, 4, 1>;
-  T size = abs(F(0));
-  for (int i = 1; i < 9; ++i) size = max(size, abs(F(i)));
-  const T inverse_size = T(1) / max(size, T(std::numeric_limits<Real>::min()));
-  const Eigen::Matrix<T, 4, 4> N = detail::quaternion_form<T>(inverse_size * F);
+  const Eigen::Matrix<T, 4, 4> N = quaternion_form<T>(A);
 
-  // A small multiple of the identity added to F settles ties. It stands above the rounding errors of the
+  // A small multiple of the identity added to A settles ties. It stands above the rounding errors of the
   // sweeps.
   constexpr Real tie = 32 * std::numeric_limits<Real>::epsilon();
-  detail::QuaternionEigenbasis<T> basis{N};
+  QuaternionEigenbasis<T> basis{N};
   basis.N(0, 0) += T(4 * tie);
   for (int k = 0; k < 4; ++k) basis.sweep();
 
@@ -132,6 +119,80 @@ template <class T>
       T(2) * (x * y + w * z), T(1) - T(2) * (x * x + z * z), T(2) * (y * z - w * x),   //
       T(2) * (x * z - w * y), T(2) * (y * z + w * x), T(1) - T(2) * (x * x + y * y);
   return R;
+}
+
+// Conditions of a plain scalar and of a batch.
+inline bool both(bool a, bool b) { return a && b; }
+inline bool everywhere(bool condition) { return condition; }
+template <class T, int N>
+[[nodiscard]] BatchMask<T, N> both(const BatchMask<T, N>& a, const BatchMask<T, N>& b) {
+  return a & b;
+}
+template <class T, int N>
+[[nodiscard]] bool everywhere(const BatchMask<T, N>& mask) {
+  return all(mask);
+}
+
+/// Rotation factor in closed form, and where it is good to rounding.
+template <class T>
+struct ClosedRotation {
+  Mat3<T> R;
+  decltype(std::declval<T>() < std::declval<T>()) good;
+};
+
+/// The trace t = tr S = s1 + s2 + s3 is the largest root of (t^2 - |A|^2)^2 - 4 |cof A|^2 - 8 t det A = 0,
+/// and R is its derivative with respect to A. Newton's method falls to the root from sqrt(3) |A| >= t. An
+/// error of t, like most rounding errors, multiplies R by a symmetric factor close to I, which one step
+/// towards the nearest orthogonal tensor takes away to second order; hence a few steps do. Everything divides
+/// by (s1 + s2)(s1 + s3)(s2 + s3).
+template <class T>
+[[nodiscard]] ClosedRotation<T> rotation_in_closed_form(const Mat3<T>& A) {
+  using std::abs, std::sqrt;
+  using Real = decltype(lane(std::declval<T>(), 0));
+  const Mat3<T> C = A.transpose() * A, c = cofactor(A);
+  const T n = trace(C), m = T(4) * double_dot(c, c), j = A.col(0).dot(c.col(0));
+  T t = sqrt(T(3) * n), step(0);
+  for (int k = 0; k < 5; ++k) {
+    const T d = t * t - n;
+    step = (d * d - m - T(8) * t * j) / (T(4) * (t * d - T(2) * j));
+    t -= step;
+  }
+  const T t2 = t * t, denominator = t * (t2 - n) - T(2) * j, scale = T(1) / denominator;
+  const T a = scale * (t2 + n), b = T(2) * scale, e = b * t;
+  const Mat3<T> AC = A * C, Q = a * A - b * AC + e * c;
+  const Mat3<T> B = T(1.5) * Mat3<T>::Identity() - T(0.5) * (Q.transpose() * Q);
+  // The squares of the last step and of the departure from a rotation have to vanish in rounding.
+  const T tolerance = T(0.5) * sqrt(T(std::numeric_limits<Real>::epsilon()));
+  const auto apart = denominator > T(0.05) * t2 * t, settled = abs(step) < tolerance * t;
+  return {Q * B, both(apart, settled)};
+}
+
+}  // namespace detail
+
+/// Rotation R (det R = +1, always) that maximises tr(R^T F), the nearest rotation to F: F = R S with S
+/// symmetric, indefinite where det F < 0. With F's singular values s1 >= s2 >= |s3|, s3 signed like det F, R
+/// is unique unless s2 + s3 = 0 (rank 1 or 0; two equal smallest singular values of an inverted F); its error
+/// is at most about 100 machine epsilons times s1 / (s2 + s3). Without uniqueness the result is one of the
+/// maximisers (within 128 epsilons of the largest entry of F), drawn towards the one that turns least; F = 0
+/// gives I. Defined for every finite F; R does not depend on the size of F, except that a subnormal F is
+/// drawn towards I. NaN and infinity give NaN.
+///
+/// A closed form serves deformations that are far from those ambiguities, Jacobi sweeps the others. The one
+/// branch skips the sweeps where no lane needs them: a lane's result does not depend on its neighbours.
+template <class T>
+[[nodiscard, gnu::flatten]] Mat3<T> rotation_factor(const Mat3<T>& F) {
+  using std::abs, std::max;
+  using Real = decltype(lane(std::declval<T>(), 0));
+  T size = abs(F(0));
+  for (int i = 1; i < 9; ++i) size = max(size, T(abs(F(i))));
+  const T inverse_size = T(1) / max(size, T(std::numeric_limits<Real>::min()));
+  const Mat3<T> A = inverse_size * F;
+  detail::ClosedRotation<T> closed = detail::rotation_in_closed_form<T>(A);
+  if (!detail::everywhere(closed.good)) {
+    const Mat3<T> R = detail::rotation_by_sweeps<T>(A);
+    for (int i = 0; i < 9; ++i) closed.R(i) = select(closed.good, closed.R(i), R(i));
+  }
+  return closed.R;
 }
 
 /// Factors of F = R S: a rotation and a symmetric tensor.

@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstddef>
 
 #include "softsim/core/tensor.hpp"
@@ -23,14 +26,35 @@ template <class T>
   return v.template segment<3>(block_stride * i);
 }
 
-/// Dot product, accumulated in double whatever the scalar.
-template <class T>
-[[nodiscard]] double dot(const Vector<T>& a, const Vector<T>& b) {
-  if constexpr (sizeof(T) == sizeof(double)) {
+namespace detail {
+template <class A, class B>
+[[nodiscard]] double plain_dot(const A& a, const B& b) {
+  if constexpr (sizeof(typename A::Scalar) == sizeof(double)) {
     return a.dot(b);
   } else {
     return a.template cast<double>().dot(b.template cast<double>());
   }
+}
+}  // namespace detail
+
+/// Dot product, accumulated in double whatever the scalar. Long vectors are summed in pieces whose number
+/// depends on their length alone: with OpenMP in parallel, and with the same bits for any number of threads.
+template <class T>
+[[nodiscard]] double dot(const Vector<T>& a, const Vector<T>& b) {
+  constexpr std::ptrdiff_t pieces = 32, shortest = 1024;
+  const std::ptrdiff_t length = (a.size() / pieces + 16) / 16 * 16;  // pieces * length > size
+  if (length < shortest) return detail::plain_dot(a, b);
+  std::array<double, pieces> part{};
+#ifdef _OPENMP
+#pragma omp parallel for schedule(static)
+#endif
+  for (std::ptrdiff_t p = 0; p < pieces; ++p) {
+    const std::ptrdiff_t begin = std::min(p * length, a.size()), count = std::min(length, a.size() - begin);
+    part[static_cast<std::size_t>(p)] = detail::plain_dot(a.segment(begin, count), b.segment(begin, count));
+  }
+  double sum = 0;
+  for (const double x : part) sum += x;
+  return sum;
 }
 
 /// Euclidean norm, accumulated in double.
