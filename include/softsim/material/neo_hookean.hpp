@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "softsim/core/elementary.hpp"
 #include "softsim/material/isotropic.hpp"
 #include "softsim/material/lame.hpp"
 
@@ -27,14 +28,14 @@ class NeoHookean : public Isotropic<NeoHookean>, public LameLaw<NeoHookean> {
   /// First derivatives of w, Pa.
   template <class T>
   [[nodiscard]] First<T> first(const Invariants<T>& i) const {
-    using std::log;
-    return {T(mu() / 2), T(0), (T(lambda()) * log(i.j) - T(mu())) / i.j};
+    const auto [l, r] = log_and_inverse(i.j);
+    return {T(mu() / 2), T(0), (T(lambda()) * l - T(mu())) * r};
   }
   /// Second derivatives of w, Pa.
   template <class T>
   [[nodiscard]] Second<T> second(const Invariants<T>& i) const {
-    using std::log;
-    return {T(0), T(0), T(0), T(0), T(0), (T(lambda() + mu()) - T(lambda()) * log(i.j)) / (i.j * i.j)};
+    const auto [l, r] = log_and_inverse(i.j);
+    return {T(0), T(0), T(0), T(0), T(0), (T(lambda() + mu()) - T(lambda()) * l) * r * r};
   }
 
  private:
