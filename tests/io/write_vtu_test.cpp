@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -102,6 +103,29 @@ TEST(WriteVtu, WritesWhatADecoderReadsBack) {
   EXPECT_TRUE(file.ends_with("\n  </AppendedData>\n</VTKFile>\n"));
 }
 
+TEST(WriteVtu, WritesHexahedraAndTenNodeTetrahedra) {
+  const TemporaryFolder folder;
+  const std::vector<Vec3<double>> ten(10, Vec3<double>::Zero());
+  const std::vector<std::array<std::int32_t, 8>> hexahedra{{0, 1, 2, 3, 4, 5, 6, 7},
+                                                           {2, 3, 4, 5, 6, 7, 8, 9}};
+  write_vtu(folder.path("hexahedra.vtu"), ten, hexahedra, {}, {pressure});
+  std::string file = slurp(folder.path("hexahedra.vtu"));
+  EXPECT_EQ(decoded<std::int32_t>(file, "connectivity", "Int32"),
+            (std::vector<std::int32_t>{0, 1, 2, 3, 4, 5, 6, 7, 2, 3, 4, 5, 6, 7, 8, 9}));
+  EXPECT_EQ(decoded<std::int64_t>(file, "offsets", "Int64"), (std::vector<std::int64_t>{8, 16}));
+  EXPECT_EQ(decoded<std::uint8_t>(file, "types", "UInt8"), (std::vector<std::uint8_t>{12, 12}));
+
+  std::vector<std::array<std::int32_t, 10>> tetrahedra_10{{0, 1, 2, 3, 4, 5, 6, 7, 8, 9}};
+  VtuSeries series(folder.path(), "ten");
+  series.add(0, ten, tetrahedra_10);
+  file = slurp(folder.path("ten_000000.vtu"));
+  EXPECT_EQ(decoded<std::int64_t>(file, "offsets", "Int64"), std::vector<std::int64_t>{10});
+  EXPECT_EQ(decoded<std::uint8_t>(file, "types", "UInt8"), std::vector<std::uint8_t>{24});
+  tetrahedra_10[0][9] = 10;
+  expect_throw_saying<std::invalid_argument>([&] { series.add(1, ten, tetrahedra_10); },
+                                             {"ten-node tetrahedron 0", "node 10", "10 points"});
+}
+
 TEST(WriteVtu, WritesNoElementsAndNumbersThatAreNotFinite) {
   const TemporaryFolder folder;
   write_vtu(folder.path("empty.vtu"), {}, {});
@@ -130,8 +154,11 @@ TEST(WriteVtu, RefusesFieldsThatDoNotFitBeforeItTouchesTheFile) {
   expect_throw_saying<Error>(with({}, {{"a\nb", 1, {1, 2}}}), {path, "cell field 0", "control character 10"});
   expect_throw_saying<Error>(with({}, {{"e", 1, {1, 2}}, {"e", 1, {1, 2}}}), {path, "'e'", "repeated"});
   for (const std::int32_t node : {-1, 5})
-    expect_throw_saying<Error>([&] { write_vtu(path, points, {{0, 1, 2, 3}, {0, 1, 2, node}}); },
-                               {path, "tetrahedron 1", "node " + std::to_string(node), "5 points"});
+    expect_throw_saying<Error>(
+        [&] {
+          write_vtu(path, points, {{0, 1, 2, 3}, {0, 1, 2, node}});
+        },
+        {path, "tetrahedron 1", "node " + std::to_string(node), "5 points"});
   EXPECT_EQ(folder.number_of_files(), 0u);
 }
 

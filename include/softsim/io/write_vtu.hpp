@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <bit>
 #include <cerrno>
 #include <charconv>
@@ -154,6 +155,65 @@ inline void check_fields(const std::string& path, const char* where, const std::
 
 }  // namespace detail
 
+namespace detail {
+
+struct VtuCell {
+  std::uint8_t type;  ///< VTK's number
+  const char* name;
+};
+/// The cell type of n nodes that this library writes.
+template <std::size_t n>
+inline constexpr VtuCell vtu_cell{};
+template <>
+inline constexpr VtuCell vtu_cell<4>{10, "tetrahedron"};
+template <>
+inline constexpr VtuCell vtu_cell<8>{12, "hexahedron"};
+template <>
+inline constexpr VtuCell vtu_cell<10>{24, "ten-node tetrahedron"};
+
+template <std::size_t n>
+void write_vtu_cells(const std::string& path, const std::vector<Vec3<double>>& points,
+                     const std::vector<std::array<std::int32_t, n>>& cells,
+                     const std::vector<Field>& point_fields, const std::vector<Field>& cell_fields) {
+  check_fields(path, "point", point_fields, points.size());
+  check_fields(path, "cell", cell_fields, cells.size());
+  for (std::size_t c = 0; c < cells.size(); ++c)
+    for (const std::int32_t node : cells[c])
+      if (node < 0 || static_cast<std::size_t>(node) >= points.size())
+        invalid(path + ": " + vtu_cell<n>.name + " " + std::to_string(c) + ": node " + std::to_string(node) +
+                " is out of range (there are " + std::to_string(points.size()) + " points)");
+  static_assert(sizeof(Vec3<double>) == 3 * sizeof(double) && sizeof(cells[0]) == n * sizeof(std::int32_t));
+
+  std::vector<std::int64_t> offsets(cells.size());
+  for (std::size_t c = 0; c < offsets.size(); ++c) offsets[c] = static_cast<std::int64_t>(n * (c + 1));
+  const std::vector<std::uint8_t> types(cells.size(), vtu_cell<n>.type);
+
+  AppendedArrays arrays;
+  std::string head =
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"";
+  head += std::string(vtk_byte_order) + "\" header_type=\"UInt64\">\n  <UnstructuredGrid>\n";
+  head += std::string("    <Piece NumberOfPoints=\"") + std::to_string(points.size()) +
+          "\" NumberOfCells=\"" + std::to_string(cells.size()) + "\">\n      <PointData>\n";
+  head += describe_fields(arrays, point_fields);
+  head += "      </PointData>\n      <CellData>\n";
+  head += describe_fields(arrays, cell_fields);
+  head += "      </CellData>\n      <Points>\n";
+  head += arrays.describe("Float64", "Points", 3, points.data(), points.size() * sizeof(Vec3<double>));
+  head += "      </Points>\n      <Cells>\n";
+  head += arrays.describe("Int32", "connectivity", 1, cells.data(), cells.size() * sizeof(cells[0]));
+  head += arrays.describe("Int64", "offsets", 1, offsets.data(), offsets.size() * sizeof(std::int64_t));
+  head += arrays.describe("UInt8", "types", 1, types.data(), types.size());
+  head += "      </Cells>\n    </Piece>\n  </UnstructuredGrid>\n  <AppendedData encoding=\"raw\">\n_";
+
+  AtomicFile file(path);
+  file.write(head);
+  arrays.write(file);
+  file.write("\n  </AppendedData>\n</VTKFile>\n");
+  file.commit();
+}
+
+}  // namespace detail
+
 /// Writes tetrahedra with their fields as a .vtu file for ParaView: XML with appended raw data in double
 /// precision. The file is written under the name `path` + ".part" and renamed when complete; an older file of
 /// the name survives a failure. Values that are not finite are written as they are, so that a failed
@@ -168,43 +228,16 @@ inline void check_fields(const std::string& path, const char* where, const std::
 inline void write_vtu(const std::string& path, const std::vector<Vec3<double>>& points,
                       const std::vector<Tetrahedron>& tetrahedra, const std::vector<Field>& point_fields = {},
                       const std::vector<Field>& cell_fields = {}) {
-  detail::check_fields(path, "point", point_fields, points.size());
-  detail::check_fields(path, "cell", cell_fields, tetrahedra.size());
-  for (std::size_t t = 0; t < tetrahedra.size(); ++t)
-    for (const std::int32_t node : tetrahedra[t])
-      if (node < 0 || static_cast<std::size_t>(node) >= points.size())
-        invalid(path + ": tetrahedron " + std::to_string(t) + ": node " + std::to_string(node) +
-                " is out of range (there are " + std::to_string(points.size()) + " points)");
-  static_assert(sizeof(Vec3<double>) == 3 * sizeof(double) &&
-                sizeof(Tetrahedron) == 4 * sizeof(std::int32_t));
+  detail::write_vtu_cells(path, points, tetrahedra, point_fields, cell_fields);
+}
 
-  std::vector<std::int64_t> offsets(tetrahedra.size());
-  for (std::size_t t = 0; t < offsets.size(); ++t) offsets[t] = 4 * static_cast<std::int64_t>(t + 1);
-  const std::vector<std::uint8_t> types(tetrahedra.size(), 10);  // VTK_TETRA
-
-  detail::AppendedArrays arrays;
-  std::string head =
-      "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"";
-  head += std::string(detail::vtk_byte_order) + "\" header_type=\"UInt64\">\n  <UnstructuredGrid>\n";
-  head += std::string("    <Piece NumberOfPoints=\"") + std::to_string(points.size()) +
-          "\" NumberOfCells=\"" + std::to_string(tetrahedra.size()) + "\">\n      <PointData>\n";
-  head += detail::describe_fields(arrays, point_fields);
-  head += "      </PointData>\n      <CellData>\n";
-  head += detail::describe_fields(arrays, cell_fields);
-  head += "      </CellData>\n      <Points>\n";
-  head += arrays.describe("Float64", "Points", 3, points.data(), points.size() * sizeof(Vec3<double>));
-  head += "      </Points>\n      <Cells>\n";
-  head +=
-      arrays.describe("Int32", "connectivity", 1, tetrahedra.data(), tetrahedra.size() * sizeof(Tetrahedron));
-  head += arrays.describe("Int64", "offsets", 1, offsets.data(), offsets.size() * sizeof(std::int64_t));
-  head += arrays.describe("UInt8", "types", 1, types.data(), types.size());
-  head += "      </Cells>\n    </Piece>\n  </UnstructuredGrid>\n  <AppendedData encoding=\"raw\">\n_";
-
-  detail::AtomicFile file(path);
-  file.write(head);
-  arrays.write(file);
-  file.write("\n  </AppendedData>\n</VTKFile>\n");
-  file.commit();
+/// The same for hexahedra (n = 8) and ten-node tetrahedra (n = 10), nodes in VTK's order.
+template <std::size_t n>
+requires(n == 8 || n == 10) void write_vtu(const std::string& path, const std::vector<Vec3<double>>& points,
+                                           const std::vector<std::array<std::int32_t, n>>& cells,
+                                           const std::vector<Field>& point_fields = {},
+                                           const std::vector<Field>& cell_fields = {}) {
+  detail::write_vtu_cells(path, points, cells, point_fields, cell_fields);
 }
 
 /// A simulation's states over time as folder/name_000000.vtu, folder/name_000001.vtu, ... and
@@ -227,13 +260,33 @@ class VtuSeries {
   /// @throws std::invalid_argument also if the time is not finite or not later than the last one
   void add(double time, const std::vector<Vec3<double>>& points, const std::vector<Tetrahedron>& tetrahedra,
            const std::vector<Field>& point_fields = {}, const std::vector<Field>& cell_fields = {}) {
+    append(time, points, tetrahedra, point_fields, cell_fields);
+  }
+  /// The same for hexahedra (n = 8) and ten-node tetrahedra (n = 10).
+  template <std::size_t n>
+  requires(n == 8 || n == 10) void add(double time, const std::vector<Vec3<double>>& points,
+                                       const std::vector<std::array<std::int32_t, n>>& cells,
+                                       const std::vector<Field>& point_fields = {},
+                                       const std::vector<Field>& cell_fields = {}) {
+    append(time, points, cells, point_fields, cell_fields);
+  }
+
+  /// Number of states that have been written.
+  [[nodiscard]] std::size_t size() const { return size_; }
+  /// Name of the .pvd file.
+  [[nodiscard]] std::string path() const { return path_ + name_ + ".pvd"; }
+
+ private:
+  template <class Cell>
+  void append(double time, const std::vector<Vec3<double>>& points, const std::vector<Cell>& cells,
+              const std::vector<Field>& point_fields, const std::vector<Field>& cell_fields) {
     const std::string what = std::string("VTU series '") + name_ + "': time " + to_text(time) + " s";
     if (!std::isfinite(time)) invalid(what + ": is not a finite number");
     if (size_ != 0 && !(time > last_time_))
       invalid(what + ": is not later than the last, " + to_text(last_time_) + " s");
     char number[32];
     std::snprintf(number, sizeof number, "_%06zu.vtu", size_);
-    write_vtu(path_ + name_ + number, points, tetrahedra, point_fields, cell_fields);
+    write_vtu(path_ + name_ + number, points, cells, point_fields, cell_fields);
 
     char digits[32];  // the shortest text that gives the same number back, in whatever locale
     const char* end = std::to_chars(digits, digits + sizeof digits, time).ptr;
@@ -253,12 +306,6 @@ class VtuSeries {
     ++size_;
   }
 
-  /// Number of states that have been written.
-  [[nodiscard]] std::size_t size() const { return size_; }
-  /// Name of the .pvd file.
-  [[nodiscard]] std::string path() const { return path_ + name_ + ".pvd"; }
-
- private:
   std::string path_, name_, entries_;
   std::size_t size_ = 0;
   double last_time_ = 0;

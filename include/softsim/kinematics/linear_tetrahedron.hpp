@@ -13,6 +13,7 @@ namespace softsim {
 /// F = I + sum_i u_i g_i^T with g_i the rest gradient of shape function i; g_0 = -(g_1 + g_2 + g_3).
 struct LinearTetrahedron {
   static constexpr int points = 4;
+  static constexpr bool translation_invariant = true;
 
   /// Gradients of the shape functions of corners 1 to 3 in 1/m, and the rest volume in m^3.
   template <class T>

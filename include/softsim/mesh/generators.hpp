@@ -15,6 +15,7 @@
 
 #include "softsim/core/error.hpp"
 #include "softsim/core/tensor.hpp"
+#include "softsim/mesh/hexahedral_mesh.hpp"
 #include "softsim/mesh/tetrahedral_mesh.hpp"
 
 namespace softsim {
@@ -80,6 +81,31 @@ inline std::array<double, 2> square_to_disc(double x, double y) {
 
 }  // namespace detail
 
+namespace detail {
+
+/// Nodes of a box of equal cells, numbered as `box_mesh` says.
+inline std::vector<Vec3<double>> box_points(const std::array<int, 3>& cells, const Vec3<double>& lengths,
+                                            const Vec3<double>& origin) {
+  for (int a = 0; a < 3; ++a) {
+    const std::string axis = std::string("[") + std::to_string(a) + "]";
+    check_count(std::string("cells") + axis, cells[static_cast<std::size_t>(a)]);
+    check_length(std::string("lengths") + axis, lengths[a]);
+    if (!std::isfinite(origin[a]))
+      invalid(std::string("origin") + axis + " " + to_text(origin[a]) + ": must be finite");
+  }
+  std::vector<Vec3<double>> points;
+  points.reserve(grid_node_count(cells[0], cells[1], cells[2]));
+  for (int k = 0; k <= cells[2]; ++k)
+    for (int j = 0; j <= cells[1]; ++j)
+      for (int i = 0; i <= cells[0]; ++i) {
+        const Vec3<double> fraction(double(i) / cells[0], double(j) / cells[1], double(k) / cells[2]);
+        points.push_back(origin + lengths.cwiseProduct(fraction));
+      }
+  return points;
+}
+
+}  // namespace detail
+
 /// Box of `cells` equal cells along x, y, z, each split into six Kuhn tetrahedra around the diagonal from its
 /// lowest to its highest corner; the split is the same in every cell, hence conforming.
 /// @param cells number of cells per axis
@@ -91,26 +117,30 @@ inline std::array<double, 2> square_to_disc(double x, double y) {
 ///   that is not finite, or more nodes than 32-bit numbers can count
 [[nodiscard]] inline TetrahedralMesh box_mesh(const std::array<int, 3>& cells, const Vec3<double>& lengths,
                                               const Vec3<double>& origin = Vec3<double>::Zero()) {
-  for (int a = 0; a < 3; ++a) {
-    const std::string axis = std::string("[") + std::to_string(a) + "]";
-    detail::check_count(std::string("cells") + axis, cells[static_cast<std::size_t>(a)]);
-    detail::check_length(std::string("lengths") + axis, lengths[a]);
-    if (!std::isfinite(origin[a]))
-      invalid(std::string("origin") + axis + " " + to_text(origin[a]) + ": must be finite");
-  }
-  std::vector<Vec3<double>> points;
-  points.reserve(detail::grid_node_count(cells[0], cells[1], cells[2]));
-  for (int k = 0; k <= cells[2]; ++k)
-    for (int j = 0; j <= cells[1]; ++j)
-      for (int i = 0; i <= cells[0]; ++i) {
-        const Vec3<double> fraction(double(i) / cells[0], double(j) / cells[1], double(k) / cells[2]);
-        points.push_back(origin + lengths.cwiseProduct(fraction));
-      }
+  std::vector<Vec3<double>> points = detail::box_points(cells, lengths, origin);
   std::vector<Tetrahedron> tetrahedra;
   for (int k = 0; k < cells[2]; ++k)
     for (int j = 0; j < cells[1]; ++j)
       for (int i = 0; i < cells[0]; ++i) detail::append_kuhn_cell(cells, {i, j, k}, {1, 1, 1}, tetrahedra);
   return TetrahedralMesh(std::move(points), std::move(tetrahedra));
+}
+
+/// The same box with one hexahedron per cell: nodes, order and errors as for `box_mesh`.
+[[nodiscard]] inline HexahedralMesh box_hexahedra(const std::array<int, 3>& cells,
+                                                  const Vec3<double>& lengths,
+                                                  const Vec3<double>& origin = Vec3<double>::Zero()) {
+  std::vector<Vec3<double>> points = detail::box_points(cells, lengths, origin);
+  std::vector<Hexahedron> hexahedra;
+  for (int k = 0; k < cells[2]; ++k)
+    for (int j = 0; j < cells[1]; ++j)
+      for (int i = 0; i < cells[0]; ++i) {
+        const auto node = [&](int a, int b, int c) {
+          return detail::grid_node(cells, {i + a, j + b, k + c});
+        };
+        hexahedra.push_back({node(0, 0, 0), node(1, 0, 0), node(1, 1, 0), node(0, 1, 0), node(0, 0, 1),
+                             node(1, 0, 1), node(1, 1, 1), node(0, 1, 1)});
+      }
+  return {std::move(points), std::move(hexahedra)};
 }
 
 /// Cylinder around the z axis from z = 0 to z = length. A grid of 2 n x 2 n cells (n = radial_cells) over the

@@ -9,7 +9,8 @@
 #include <vector>
 
 #include "softsim/core/error.hpp"
-#include "softsim/mesh/tetrahedral_mesh.hpp"
+#include "softsim/core/tensor.hpp"
+#include "softsim/mesh/element_mesh.hpp"
 
 namespace softsim {
 
@@ -30,7 +31,8 @@ struct BoundingBox {
 };
 
 /// Bounding box of the mesh at rest.
-[[nodiscard]] inline BoundingBox bounding_box(const TetrahedralMesh& mesh) {
+template <PointMesh Mesh>
+[[nodiscard]] BoundingBox bounding_box(const Mesh& mesh) {
   BoundingBox box{mesh.points().front(), mesh.points().front()};
   for (const Vec3<double>& x : mesh.points()) {
     box.lower = box.lower.cwiseMin(x);
@@ -41,8 +43,8 @@ struct BoundingBox {
 
 /// Nodes within `fraction` of the mesh's extent from one of its sides.
 /// @throws std::invalid_argument if fraction is not in [0, 1]
-[[nodiscard]] inline std::vector<std::int32_t> nodes_near(const TetrahedralMesh& mesh, Side side,
-                                                          double fraction) {
+template <PointMesh Mesh>
+[[nodiscard]] std::vector<std::int32_t> nodes_near(const Mesh& mesh, Side side, double fraction) {
   if (!(fraction >= 0 && fraction <= 1))
     invalid(std::string("depth ") + to_text(fraction) + ": must lie in [0, 1]");
   const BoundingBox box = bounding_box(mesh);

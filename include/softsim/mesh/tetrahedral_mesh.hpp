@@ -14,6 +14,7 @@
 
 #include "softsim/core/error.hpp"
 #include "softsim/core/tensor.hpp"
+#include "softsim/mesh/element_mesh.hpp"
 
 namespace softsim {
 
@@ -30,8 +31,10 @@ using Triangle = std::array<std::int32_t, 3>;
 
 /// A tetrahedral mesh that has been checked: all node numbers exist, every tetrahedron has four different
 /// nodes and a positive volume, and every node belongs to a tetrahedron.
-class TetrahedralMesh {
+class TetrahedralMesh : public ElementMesh<4> {
  public:
+  static constexpr ElementName name{"tetrahedron", "tetrahedra"};
+
   /// @param points node positions in m
   /// @param tetrahedra node numbers, positively oriented
   /// @param region one number per tetrahedron (a file's physical group, an organ's tissue); empty means all 0
@@ -42,91 +45,54 @@ class TetrahedralMesh {
   ///   length
   TetrahedralMesh(std::vector<Vec3<double>> points, std::vector<Tetrahedron> tetrahedra,
                   std::vector<int> region = {})
-      : points_(std::move(points)), tetrahedra_(std::move(tetrahedra)), region_(std::move(region)) {
-    if (tetrahedra_.empty()) invalid("mesh: no tetrahedra");
-    if (region_.empty()) region_.assign(tetrahedra_.size(), 0);
-    if (region_.size() != tetrahedra_.size())
-      invalid(std::string("mesh: ") + std::to_string(region_.size()) + " region numbers for " +
-              std::to_string(tetrahedra_.size()) + " tetrahedra");
-    for (std::size_t i = 0; i < points_.size(); ++i)
-      if (!points_[i].allFinite())
-        invalid(std::string("node ") + std::to_string(i) + ": a coordinate is not a finite number");
-    for (std::size_t t = 0; t < tetrahedra_.size(); ++t) check(t);
-    drop_unused_nodes();
+      : ElementMesh(name, std::move(points), std::move(tetrahedra), std::move(region)) {
+    for (std::size_t t = 0; t < elements().size(); ++t) check(t);
   }
 
-  /// Node positions at rest in m.
-  [[nodiscard]] const std::vector<Vec3<double>>& points() const { return points_; }
   /// Node numbers of each tetrahedron.
-  [[nodiscard]] const std::vector<Tetrahedron>& tetrahedra() const { return tetrahedra_; }
-  /// Region number of each tetrahedron.
-  [[nodiscard]] const std::vector<int>& region() const { return region_; }
-  /// Number in the input of each node that was kept.
-  [[nodiscard]] const std::vector<std::int32_t>& source_node() const { return source_node_; }
-  /// What was put right on the way in, one sentence each; empty for a clean mesh.
-  [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
+  [[nodiscard]] const std::vector<Tetrahedron>& tetrahedra() const { return elements(); }
 
   /// Rest volume of tetrahedron t in m^3.
   [[nodiscard]] double volume(std::size_t t) const {
-    const Tetrahedron& v = tetrahedra_[t];
-    return tetrahedron_volume(point(v[0]), point(v[1]), point(v[2]), point(v[3]));
+    const std::array<Vec3<double>, 4> X = element_points(t);
+    return tetrahedron_volume(X[0], X[1], X[2], X[3]);
   }
   /// Rest volume of the body in m^3.
   [[nodiscard]] double volume() const {
     double sum = 0;
-    for (std::size_t t = 0; t < tetrahedra_.size(); ++t) sum += volume(t);
+    for (std::size_t t = 0; t < elements().size(); ++t) sum += volume(t);
     return sum;
   }
 
- private:
-  const Vec3<double>& point(std::int32_t i) const { return points_[static_cast<std::size_t>(i)]; }
+  /// int N_i dV of the linear shape functions of tetrahedron t: a quarter of its volume each, m^3.
+  [[nodiscard]] std::array<double, 4> shape_integrals(std::size_t t) const {
+    const double quarter = volume(t) / 4;
+    return {quarter, quarter, quarter, quarter};
+  }
+  /// Volume per node that a lumped mass uses: the same quarters, m^3.
+  [[nodiscard]] std::array<double, 4> lumped_volumes(std::size_t t) const { return shape_integrals(t); }
+  /// int N_i N_j dV: V/10 on the diagonal, V/20 beside it, m^3.
+  [[nodiscard]] Eigen::Matrix4d shape_products(std::size_t t) const {
+    Eigen::Matrix4d products = Eigen::Matrix4d::Constant(volume(t) / 20);
+    products.diagonal() *= 2;
+    return products;
+  }
 
+ private:
   void check(std::size_t t) const {
-    const std::string name = std::string("tetrahedron ") + std::to_string(t);
-    const Tetrahedron& v = tetrahedra_[t];
-    for (std::size_t a = 0; a < 4; ++a) {
-      if (v[a] < 0 || static_cast<std::size_t>(v[a]) >= points_.size())
-        invalid(name + ": node " + std::to_string(v[a]) + " is out of range (the mesh has " +
-                std::to_string(points_.size()) + " nodes)");
-      for (std::size_t b = 0; b < a; ++b)
-        if (v[a] == v[b]) invalid(name + ": node " + std::to_string(v[a]) + " is repeated");
-    }
+    const std::string which = std::string(name.singular) + " " + std::to_string(t);
+    const std::array<Vec3<double>, 4> X = element_points(t);
     double longest = 0;
     for (std::size_t a = 0; a < 4; ++a)
-      for (std::size_t b = 0; b < a; ++b) longest = std::max(longest, (point(v[a]) - point(v[b])).norm());
+      for (std::size_t b = 0; b < a; ++b) longest = std::max(longest, (X[a] - X[b]).norm());
     const double V = volume(t);
     // Rounding of the coordinates alone moves the volume by about 1e-16 longest^3; four digits above that no
     // shape function gradient could be trusted.
     if (std::abs(V) <= 1e-12 * longest * longest * longest)
-      invalid(name + ": degenerate, volume " + to_text(V) + " m^3 at longest edge " + to_text(longest) +
+      invalid(which + ": degenerate, volume " + to_text(V) + " m^3 at longest edge " + to_text(longest) +
               " m");
-    if (V < 0) invalid(name + ": inverted, volume " + to_text(V) + " m^3 is not positive");
+    if (V < 0) invalid(which + ": inverted, volume " + to_text(V) + " m^3 is not positive");
   }
-
-  void drop_unused_nodes() {
-    std::vector<std::int32_t> number(points_.size(), -1);
-    for (const Tetrahedron& v : tetrahedra_)
-      for (const std::int32_t i : v) number[static_cast<std::size_t>(i)] = 0;
-    for (std::size_t i = 0; i < points_.size(); ++i)
-      if (number[i] == 0) {
-        number[i] = static_cast<std::int32_t>(source_node_.size());
-        points_[source_node_.size()] = points_[i];
-        source_node_.push_back(static_cast<std::int32_t>(i));
-      }
-    const std::size_t unused = points_.size() - source_node_.size();
-    if (unused == 0) return;
-    points_.resize(source_node_.size());
-    for (Tetrahedron& v : tetrahedra_)
-      for (std::int32_t& i : v) i = number[static_cast<std::size_t>(i)];
-    warnings_.push_back(std::to_string(unused) + " node" + (unused == 1 ? "" : "s") +
-                        " dropped that no tetrahedron uses");
-  }
-
-  std::vector<Vec3<double>> points_;
-  std::vector<Tetrahedron> tetrahedra_;
-  std::vector<int> region_;
-  std::vector<std::int32_t> source_node_;
-  std::vector<std::string> warnings_;
 };
 
 /// Faces that belong to one tetrahedron only, seen counter-clockwise from outside.
