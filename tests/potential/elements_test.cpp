@@ -197,6 +197,78 @@ TEST(Elements, AnEmptyListOfOneMaterialIsNoRun) {
   EXPECT_NEAR(elements.energy(q) / softsim::elastic(cube, law).energy(q), 1, 1e-14);
 }
 
+// 750 tetrahedra are three stretches, most of which share nodes.
+TEST(Elements, LongListsAreWorkedOffStretchByStretch) {
+  const TetrahedralMesh mesh = bodies::distorted_cube(5, 7);
+  const auto many = softsim::elastic(mesh, law);
+  const auto one = softsim::elastic<double, 1>(mesh, law);
+  EXPECT_EQ(many.size(), 750u);
+  const State<double> q = bodies::random_state(mesh.points().size(), 0.02, 1);
+  const Vector<double> d = bodies::random_vector(mesh.points().size(), 1, 2);
+  EXPECT_NEAR(many.energy(q) / one.energy(q), 1, 1e-13);
+  EXPECT_LT(relative_error(gradient(many, q), gradient(one, q)), 1e-13);
+  EXPECT_LT(relative_error(hessian_product(many, q, d), hessian_product(one, q, d)), 1e-13);
+}
+
+TEST(Elements, StretchesOfOneColourShareNoBlock) {
+  const std::vector<std::vector<std::int32_t>> touched{{0, 1}, {1, 2}, {3}, {2, 3}, {0, 5}, {1, 0}};
+  EXPECT_EQ(softsim::detail::colours(touched), (std::vector<int>{0, 1, 0, 2, 1, 2}));
+  // every one shares a block with every other: more colours than fit into the mask
+  const std::vector<std::vector<std::int32_t>> all(70, {4});
+  const std::vector<int> colour = softsim::detail::colours(all);
+  for (int c = 0; c < 70; ++c) EXPECT_EQ(colour[static_cast<std::size_t>(c)], c);
+}
+
+// Removing tetrahedra at run time leaves the body of the others, whatever lanes and stretches they were in.
+TYPED_TEST(ElementsOf, RemovedStencilsNoLongerCount) {
+  using T = typename TypeParam::T;
+  const TetrahedralMesh mesh = bodies::distorted_cube(4, 7);  // 384
+  const std::size_t nodes = mesh.points().size();
+  auto elements = softsim::elastic<T, TypeParam::N>(mesh, law);
+  const State<T> q = bodies::random_state<T>(nodes, 0.02, 3);
+  const Vector<T> d = bodies::random_vector<T>(nodes, 1, 4);
+  std::vector<bool> gone(mesh.tetrahedra().size());
+  bodies::Random random(5);
+  for (const int target : {1, 40, 300, 384}) {
+    for (int count = static_cast<int>(std::count(gone.begin(), gone.end(), true)); count < target;) {
+      std::size_t t = static_cast<std::size_t>(192 * (1 + random.number()));
+      while (gone[t]) t = (t + 1) % gone.size();
+      elements.remove(t);
+      elements.remove(t);
+      gone[t] = true;
+      ++count;
+    }
+    std::vector<softsim::Tetrahedron> left, seen;
+    for (std::size_t t = 0; t < gone.size(); ++t)
+      if (!gone[t]) left.push_back(mesh.tetrahedra()[t]);
+    EXPECT_EQ(elements.size(), left.size());
+    elements.for_each_stencil([&](const softsim::Tetrahedron& v) { seen.push_back(v); });
+    std::sort(seen.begin(), seen.end());
+    std::sort(left.begin(), left.end());
+    ASSERT_EQ(seen, left);
+    if (left.empty()) {
+      EXPECT_EQ(elements.energy(q), 0);
+      EXPECT_EQ(gradient(elements, q).norm(), 0);
+      continue;
+    }
+    std::vector<softsim::LinearTetrahedron::Data<double>> data;
+    for (const softsim::Tetrahedron& v : left) {
+      std::array<bodies::Vec, 4> X;
+      for (std::size_t i = 0; i < 4; ++i) X[i] = mesh.points()[static_cast<std::size_t>(v[i])];
+      data.push_back(softsim::LinearTetrahedron::make(X));
+    }
+    const softsim::Elements<Model, T, TypeParam::N> fresh({Model{law}}, data, left);
+    EXPECT_NEAR(elements.energy(q) / fresh.energy(q), 1, TypeParam::tolerance);
+    EXPECT_LT(relative_error(gradient(elements, q), gradient(fresh, q)), TypeParam::tolerance);
+    EXPECT_LT(relative_error(hessian_product(elements, q, d), hessian_product(fresh, q, d)), TypeParam::tolerance);
+  }
+  EXPECT_EQ(refusal([&] {
+              elements.remove(384);
+              return 0;
+            }),
+            "elements: no element 384 to remove (there were 384)");
+}
+
 TEST(Elements, RefuseWhatDoesNotFitByNumberAndValue) {
   const TetrahedralMesh mesh = bodies::first_tetrahedra(cube, 5);
   EXPECT_EQ(refusal([&] {

@@ -9,7 +9,7 @@
 
 #include "softsim/core/error.hpp"
 #include "softsim/core/state.hpp"
-#include "softsim/mesh/tetrahedral_mesh.hpp"
+#include "softsim/mesh/element_mesh.hpp"
 
 namespace softsim {
 
@@ -59,30 +59,31 @@ class DeadLoad {
   Vector<T> force_;
 };
 
-/// Weight of a body: a quarter of each tetrahedron's rho V g on each of its corners, exact for linear
-/// tetrahedra.
-/// @param density one value in kg/m^3, or one per tetrahedron
+/// Weight of a body: int rho N_i g dV on each node, for linear tetrahedra a quarter of each one's rho V g.
+/// @param density one value in kg/m^3, or one per element
 /// @param g acceleration in m/s^2
 /// @throws std::invalid_argument unless every density is positive and finite
-template <class T = double>
-[[nodiscard]] DeadLoad<T> gravity(const TetrahedralMesh& mesh, const std::vector<double>& density,
+template <class T = double, SolidMesh Mesh>
+[[nodiscard]] DeadLoad<T> gravity(const Mesh& mesh, const std::vector<double>& density,
                                   const Vec3<double>& g) {
   DeadLoad<T> load(mesh.points().size());
-  if (density.size() != mesh.tetrahedra().size())
+  if (density.size() != mesh.elements().size())
     invalid(std::string("gravity: ") + std::to_string(density.size()) + " densities for " +
-            std::to_string(mesh.tetrahedra().size()) + " tetrahedra");
-  for (std::size_t t = 0; t < mesh.tetrahedra().size(); ++t) {
-    if (!(density[t] > 0) || !(density[t] <= 1e300))
-      invalid(std::string("density ") + to_text(density[t]) + " kg/m^3: must be positive and finite");
-    for (const std::int32_t i : mesh.tetrahedra()[t]) load.add(i, density[t] * mesh.volume(t) / 4 * g);
+            std::to_string(mesh.elements().size()) + " " + Mesh::name.plural);
+  for (std::size_t e = 0; e < mesh.elements().size(); ++e) {
+    if (!(density[e] > 0) || !(density[e] <= 1e300))
+      invalid(std::string("density ") + to_text(density[e]) + " kg/m^3: must be positive and finite");
+    const auto volumes = mesh.shape_integrals(e);
+    for (std::size_t i = 0; i < volumes.size(); ++i)
+      load.add(mesh.elements()[e][i], density[e] * volumes[i] * g);
   }
   return load;
 }
 
 /// Weight of a body of one density, see above.
-template <class T = double>
-[[nodiscard]] DeadLoad<T> gravity(const TetrahedralMesh& mesh, double density, const Vec3<double>& g) {
-  return gravity<T>(mesh, std::vector<double>(mesh.tetrahedra().size(), density), g);
+template <class T = double, SolidMesh Mesh>
+[[nodiscard]] DeadLoad<T> gravity(const Mesh& mesh, double density, const Vec3<double>& g) {
+  return gravity<T>(mesh, std::vector<double>(mesh.elements().size(), density), g);
 }
 
 }  // namespace softsim

@@ -2,64 +2,165 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "softsim/concepts.hpp"
 #include "softsim/kinematics/linear_tetrahedron.hpp"
+#include "softsim/material/fibre.hpp"
 #include "softsim/mesh/tetrahedral_mesh.hpp"
 #include "softsim/potential/elements.hpp"
+#include "softsim/potential/isotropic_blocks.hpp"
 
 namespace softsim {
 
+/// A law that differs from element to element: `Data<T>` holds what differs, as scalars of type T only, and
+/// `at(data)` is the `Material` of one element.
+template <class M, class T = double>
+concept MaterialField = requires(const M& law, const typename M::template Data<T>& data) {
+  requires Material<std::remove_cvref_t<decltype(law.at(data))>, T>;
+};
+
+namespace detail {
+template <class K, class M, class T>
+struct ElasticData {
+  using type = typename K::template Data<T>;
+};
+template <class K, MaterialField M, class T>
+struct ElasticData<K, M, T> {
+  struct type {
+    typename K::template Data<T> shape;
+    typename M::template Data<T> material;
+  };
+};
+}  // namespace detail
+
 /// Elastic energy of one integration point: V psi(F), with any kinematics and any material.
 template <class K, class M>
-requires Kinematics<K> && Material<M>
-struct Elastic {
+requires Kinematics<K> &&(Material<M> || MaterialField<M>)struct Elastic {
   static constexpr int points = K::points;
+  static constexpr bool translation_invariant = requires { requires K::translation_invariant; };
+  /// That of the kinematics, and with it that of a material field.
   template <class T>
-  using Data = typename K::template Data<T>;
+  using Data = typename detail::ElasticData<K, M, T>::type;
 
   M material;
 
   /// V psi(F), J.
   template <class T>
   [[nodiscard]] T energy(const Data<T>& data, const Local<T, points>& u) const {
-    return K::volume(data) * material.energy_density(K::deformation_gradient(data, u));
+    return K::volume(shape(data)) * law(data).energy_density(K::deformation_gradient(shape(data), u));
   }
 
   /// V B^T P(F), N.
   template <class T>
   [[nodiscard]] Eigen::Matrix<T, 3 * points, 1> gradient(const Data<T>& data,
                                                          const Local<T, points>& u) const {
-    Mat3<T> P = material.first_piola(K::deformation_gradient(data, u));
-    P *= K::volume(data);
-    return K::pullback(data, u, P);
+    Mat3<T> P = law(data).first_piola(K::deformation_gradient(shape(data), u));
+    P *= K::volume(shape(data));
+    return K::pullback(shape(data), u, P);
   }
 
   /// V B^T dP(F; B du), and the geometric product where F is not linear in the unknowns.
   template <class T>
   [[nodiscard]] Eigen::Matrix<T, 3 * points, 1> hessian_product(
       const Data<T>& data, const Local<T, points>& u, const Eigen::Matrix<T, 3 * points, 1>& du) const {
-    const Mat3<T> F = K::deformation_gradient(data, u);
-    Mat3<T> dP = material.first_piola_differential(F, K::deformation_gradient_differential(data, u, du));
-    dP *= K::volume(data);
-    Eigen::Matrix<T, 3 * points, 1> df = K::pullback(data, u, dP);
+    const auto& rest = shape(data);
+    const Mat3<T> F = K::deformation_gradient(rest, u);
+    Mat3<T> dP = law(data).first_piola_differential(F, K::deformation_gradient_differential(rest, u, du));
+    dP *= K::volume(rest);
+    Eigen::Matrix<T, 3 * points, 1> df = K::pullback(rest, u, dP);
     if constexpr (NonlinearKinematics<K, T>) {
-      Mat3<T> P = material.first_piola(F);
-      P *= K::volume(data);
-      df += K::geometric_product(data, u, P, du);
+      Mat3<T> P = law(data).first_piola(F);
+      P *= K::volume(rest);
+      df += K::geometric_product(rest, u, P, du);
     }
     return df;
+  }
+
+  /// The law's own linearisation at F, for a law that has one worth keeping.
+  template <class T>
+  [[nodiscard]] auto linearise(const Data<T>& data, const Local<T, points>& u) const
+      requires(!NonlinearKinematics<K, T> && requires(const Mat3<T>& F) { material.linearise(F); }) {
+    return material.linearise(K::deformation_gradient(shape(data), u));
+  }
+  /// V B^T dP(B du) with dP from that linearisation.
+  template <class T, class Linearisation>
+  [[nodiscard]] Eigen::Matrix<T, 3 * points, 1> linearised_product(
+      const Data<T>& data, const Linearisation& at, const Eigen::Matrix<T, 3 * points, 1>& du) const {
+    const auto& rest = shape(data);
+    Local<T, points> any;  // linear kinematics do not look at it
+    for (auto& p : any.points) p.setZero();
+    Mat3<T> dP = at(K::deformation_gradient_differential(rest, any, du));
+    dP *= K::volume(rest);
+    return K::pullback(rest, any, dP);
+  }
+
+  /// What the blocks of the Hessian are made of, for an isotropic law on linear tetrahedra.
+  template <class T>
+  [[nodiscard]] IsotropicBlocks<M, T> block_form(const Data<T>& data, const Local<T, points>& u) const
+      requires(std::is_same_v<K, LinearTetrahedron>&& InvariantLaw<M>) {
+    const Mat3<T> F = K::deformation_gradient(data, u), c = cofactor(F);
+    const auto& g = data.gradient;
+    IsotropicBlocks<M, T> form;
+    form.volume = data.volume;
+    for (std::size_t i = 0; i < 3; ++i) {
+      form.a[i] = F * g[i];
+      form.c[i] = c * g[i];
+      form.s[i] = F * g[(i + 1) % 3].cross(g[(i + 2) % 3]);
+      form.G[i] = g[i].dot(g[i]);
+    }
+    form.G[3] = g[0].dot(g[1]);
+    form.G[4] = g[0].dot(g[2]);
+    form.G[5] = g[1].dot(g[2]);
+    if constexpr (M::depends_on_i2 || !M::linear_in_i1) form.B = F * F.transpose();
+    form.set(material, F.col(0).dot(c.col(0)));
+    return form;
+  }
+  /// Block (i, j) of the Hessian, 1 <= i <= j, N/m.
+  template <int i, int j, class T>
+  [[nodiscard]] Mat3<T> hessian_block(const IsotropicBlocks<M, T>& form) const {
+    return form.template block<i, j>();
+  }
+
+ private:
+  template <class D>
+  static const auto& shape(const D& data) {
+    if constexpr (MaterialField<M>)
+      return data.shape;
+    else
+      return data;
+  }
+  template <class D>
+  [[nodiscard]] decltype(auto) law(const D& data) const {
+    if constexpr (MaterialField<M>)
+      return material.at(data.material);
+    else
+      return (material);
   }
 };
 
 /// Elastic energy of a tetrahedral mesh with linear tetrahedra.
 template <class M, class T = double, int N = default_lanes<T>>
 using ElasticTetrahedra = Elements<Elastic<LinearTetrahedron, M>, T, N>;
+
+namespace detail {
+inline std::vector<LinearTetrahedron::Data<double>> tetrahedron_data(const TetrahedralMesh& mesh) {
+  std::vector<LinearTetrahedron::Data<double>> data;
+  data.reserve(mesh.tetrahedra().size());
+  for (const Tetrahedron& v : mesh.tetrahedra()) {
+    std::array<Vec3<double>, 4> X;
+    for (std::size_t i = 0; i < 4; ++i) X[i] = mesh.points()[static_cast<std::size_t>(v[i])];
+    data.push_back(LinearTetrahedron::make(X));
+  }
+  return data;
+}
+}  // namespace detail
 
 /// Elastic energy of `mesh` with one of `materials` per tetrahedron; `material_index` chooses it and may be
 /// empty if there is one material only.
@@ -71,16 +172,9 @@ template <class T = double, int N = default_lanes<T>, class M>
   if (material_index.empty() && materials.size() > 1)
     invalid(std::string("elastic: ") + std::to_string(materials.size()) +
             " materials need an index per tetrahedron");
-  std::vector<LinearTetrahedron::Data<double>> data;
-  data.reserve(mesh.tetrahedra().size());
-  for (const Tetrahedron& v : mesh.tetrahedra()) {
-    std::array<Vec3<double>, 4> X;
-    for (std::size_t i = 0; i < 4; ++i) X[i] = mesh.points()[static_cast<std::size_t>(v[i])];
-    data.push_back(LinearTetrahedron::make(X));
-  }
   std::vector<Elastic<LinearTetrahedron, M>> models;
   for (const M& material : materials) models.push_back({material});
-  return {std::move(models), data, mesh.tetrahedra(), material_index};
+  return {std::move(models), detail::tetrahedron_data(mesh), mesh.tetrahedra(), material_index};
 }
 
 /// Elastic energy of `mesh` made of one material.
@@ -88,6 +182,50 @@ template <class T = double, int N = default_lanes<T>, class M>
 requires Material<M>
 [[nodiscard]] ElasticTetrahedra<M, T, N> elastic(const TetrahedralMesh& mesh, const M& material) {
   return elastic<T, N>(mesh, std::vector<M>{material});
+}
+
+/// Elastic energy of `mesh` made of a law that differs from tetrahedron to tetrahedron.
+/// @param data what differs, per tetrahedron
+/// @throws std::invalid_argument for a list of the wrong length
+template <class T = double, int N = default_lanes<T>, MaterialField M>
+[[nodiscard]] ElasticTetrahedra<M, T, N> elastic(const TetrahedralMesh& mesh, const M& law,
+                                                 const std::vector<typename M::template Data<double>>& data) {
+  using Local = Elastic<LinearTetrahedron, M>;
+  if (data.size() != mesh.tetrahedra().size())
+    invalid(std::string("elastic: ") + std::to_string(data.size()) + " material data for " +
+            std::to_string(mesh.tetrahedra().size()) + " tetrahedra");
+  const std::vector<LinearTetrahedron::Data<double>> shapes = detail::tetrahedron_data(mesh);
+  std::vector<typename Local::template Data<double>> all;
+  all.reserve(data.size());
+  for (std::size_t e = 0; e < data.size(); ++e) all.push_back({shapes[e], data[e]});
+  return {std::vector<Local>{{law}}, all, mesh.tetrahedra()};
+}
+
+/// Elastic energy of `mesh` made of a law with n families of fibres, alone or in a sum with others, whose
+/// directions differ from tetrahedron to tetrahedron.
+/// @param directions n unit vectors per tetrahedron, in the rest shape
+/// @throws std::invalid_argument for a list of the wrong length or a length that is off 1 by more than 1e-6
+template <class T = double, int N = default_lanes<T>, TakesFibreDirections M, std::size_t n>
+[[nodiscard]] ElasticTetrahedra<FibreField<M, n>, T, N> elastic(
+    const TetrahedralMesh& mesh, const M& law, const std::vector<std::array<Vec3<double>, n>>& directions) {
+  if (directions.size() != mesh.tetrahedra().size())
+    invalid(std::string("elastic: ") + std::to_string(directions.size()) + " fibre directions for " +
+            std::to_string(mesh.tetrahedra().size()) + " tetrahedra");
+  std::vector<FibreDirections<double, n>> data;
+  data.reserve(directions.size());
+  for (const std::array<Vec3<double>, n>& a : directions)
+    data.push_back(unit_directions(a, std::string("tetrahedron ") + std::to_string(data.size()) + ": "));
+  return elastic<T, N>(mesh, FibreField<M, n>{law}, data);
+}
+
+/// The same for one family.
+template <class T = double, int N = default_lanes<T>, TakesFibreDirections M>
+[[nodiscard]] ElasticTetrahedra<FibreField<M, 1>, T, N> elastic(const TetrahedralMesh& mesh, const M& law,
+                                                                const std::vector<Vec3<double>>& directions) {
+  std::vector<std::array<Vec3<double>, 1>> one;
+  one.reserve(directions.size());
+  for (const Vec3<double>& a : directions) one.push_back({a});
+  return elastic<T, N>(mesh, law, one);
 }
 
 }  // namespace softsim

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <cstring>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -15,12 +16,72 @@
 #include "softsim/core/error.hpp"
 #include "softsim/core/gather.hpp"
 
+// Everything that a loop over chunks calls is inlined into it by force: with g++ a batch is else handed over
+// through memory, which costs two to four times the arithmetic. Not where sanitizers multiply the code.
+#if defined(__SANITIZE_ADDRESS__)
+#define SOFTSIM_FLATTEN
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define SOFTSIM_FLATTEN
+#endif
+#endif
+#ifndef SOFTSIM_FLATTEN
+#define SOFTSIM_FLATTEN [[gnu::flatten]]
+#endif
+
 namespace softsim {
+
+namespace detail {
+
+/// Order in which stretches of stencils are worked off: stretches of one colour share no block of the state,
+/// so that several threads may scatter at once; the order, and with it every rounding, does not depend on how
+/// many there are. `stretch[s]` lists the blocks that stretch s touches. Returns the colour of each.
+[[nodiscard]] inline std::vector<int> colours(const std::vector<std::vector<std::int32_t>>& stretches) {
+  std::int32_t largest = -1;
+  for (const auto& s : stretches)
+    for (const std::int32_t b : s) largest = std::max(largest, b);
+  constexpr int limit = 64;
+  std::vector<std::uint64_t> taken(static_cast<std::size_t>(largest + 1));
+  std::vector<int> colour;
+  int beyond = limit;
+  for (const auto& s : stretches) {
+    std::uint64_t used = 0;
+    for (const std::int32_t b : s) used |= taken[static_cast<std::size_t>(b)];
+    int c = 0;
+    while (c < limit && (used >> c & 1U) != 0) ++c;
+    if (c == limit) {
+      colour.push_back(beyond++);  // a colour of its own
+      continue;
+    }
+    for (const std::int32_t b : s) taken[static_cast<std::size_t>(b)] |= std::uint64_t{1} << c;
+    colour.push_back(c);
+  }
+  return colour;
+}
+
+}  // namespace detail
+
+/// What a local force may declare beside `LocalForce`:
+///  - `translation_invariant = true`: no translation of its points changes it. It is then given displacements
+///    relative to point 0 (which are zero there), and its force on point 0 is not asked for: the set makes
+///    it minus the sum of the others.
+///  - `from_positions = true`: it is given positions in m instead of displacements.
+///  - `linearise(data, u)` and `linearised_product(data, linearisation, du)`: what is worth keeping between
+///    products with the same tangent.
+///  - `block_form(data, u)` and `hessian_block<i, j>(form)`, with `translation_invariant`: a 3x3 block of the
+///    Hessian in closed form for 1 <= i <= j.
+template <class E, class T>
+concept Linearisable = requires(const E& e, const typename E::template Data<T>& data, const Unknowns<E, T>& u,
+                                const Tangent<E, T>& du) {
+  { e.linearised_product(data, e.linearise(data, u), du) } -> std::convertible_to<Tangent<E, T>>;
+};
 
 /// A set of like stencils, evaluated N at a time on SIMD lanes (N = 1: one at a time): the only place that
 /// gathers unknowns and scatters forces. Stencils are sorted by model, so that every chunk of N shares its
-/// parameters; lanes left over at the end of a model's run repeat a real stencil and are not scattered.
-/// Models `ForceTerm`, and `Potential` where E has an energy. T is float or double.
+/// parameters, and cut into stretches that are worked off colour by colour: with OpenMP in parallel, and with
+/// the same bits for any number of threads. Lanes left over at the end of a stretch repeat a real stencil and
+/// are not scattered. One object serves one caller at a time. Models `ForceTerm`, and `Potential` where E has
+/// an energy. T is float or double.
 template <class E, class T = double, int N = default_lanes<T>>
 class Elements {
  public:
@@ -44,9 +105,10 @@ class Elements {
   /// @param data rest data per stencil
   /// @param stencils block numbers per stencil
   /// @param model_index which of the models each stencil uses; empty means the first for all
+  /// @param rest rest positions of all points in m, for an E that works from positions
   /// @throws std::invalid_argument for lists of different lengths or an index out of range
   Elements(std::vector<E> models, const std::vector<RestData>& data, const std::vector<Stencil>& stencils,
-           const std::vector<std::int32_t>& model_index = {})
+           const std::vector<std::int32_t>& model_index = {}, const std::vector<Vec3<double>>& rest = {})
       : models_(std::move(models)) {
     if (data.size() != stencils.size())
       invalid(std::string("elements: ") + std::to_string(data.size()) + " rest data for " +
@@ -62,7 +124,12 @@ class Elements {
                 " is out of range (there are " + std::to_string(models_.size()) + " materials)");
       members[static_cast<std::size_t>(m)].push_back(e);
     }
-    for (std::size_t m = 0; m < models_.size(); ++m) add_run(m, members[m], data, stencils);
+    store(members, data, stencils);
+    if constexpr (from_positions) {
+      rest_ = State<T>(rest.size()).displacement;
+      for (std::size_t i = 0; i < rest.size(); ++i)
+        block(rest_, static_cast<std::ptrdiff_t>(i)) = rest[i].template cast<T>();
+    }
   }
 
   /// Number of stencils.
@@ -70,138 +137,398 @@ class Elements {
 
   /// Sum of the energies in J, accumulated in double in fixed order.
   [[nodiscard]] double energy(const State<T>& q) const requires LocalPotential<E, Value> {
+    const T* from = unknowns(q);
+    for_each_stretch([&](const Stretch& s) { s.energy = energy_of(s, from); });
     double sum = 0;
-    for_each_chunk([&](const E& model, const Chunk& chunk, int count) {
-      const Value w = model.energy(chunk.data, gather(chunk, q.displacement));
-      for (int l = 0; l < count; ++l) sum += static_cast<double>(lane(w, l));
-    });
+    for (const Stretch& s : stretches_) sum += s.energy;
     return sum;
   }
 
   /// y += dE/dq (minus the force), N.
   void add_gradient(const State<T>& q, Vector<T>& y) const {
-    for_each_chunk([&](const E& model, const Chunk& chunk, int count) {
-      scatter(chunk, count, model.gradient(chunk.data, gather(chunk, q.displacement)), y);
-    });
+    const T* from = unknowns(q);
+    for_each_stretch([&](const Stretch& s) { add_gradient_of(s, from, y.data()); });
   }
 
   /// y += (d^2E/dq^2) d.
   void add_hessian_product(const State<T>& q, const Vector<T>& d, Vector<T>& y) const {
-    for_each_chunk([&](const E& model, const Chunk& chunk, int count) {
-      const Unknowns<E, Value> u = gather(chunk, q.displacement), du = gather(chunk, d);
-      Tangent<E, Value> increment;
-      for (int i = 0; i < blocks; ++i)
-        increment.template segment<3>(3 * i) = du.points[static_cast<std::size_t>(i)];
-      scatter(chunk, count, model.hessian_product(chunk.data, u, increment), y);
-    });
+    const T* from = unknowns(q);
+    for_each_stretch([&](const Stretch& s) { add_product_of(s, from, d.data(), y.data()); });
+  }
+
+  /// What products with one tangent share, chunk by chunk.
+  class Linearised {
+    friend Elements;
+    template <class F, bool keeps>
+    struct Kept {
+      using type = char;
+    };
+    template <class F>
+    struct Kept<F, true> {
+      using type = std::remove_cvref_t<decltype(std::declval<const F&>().linearise(
+          std::declval<const typename F::template Data<Value>&>(), std::declval<const Unknowns<F, Value>&>()))>;
+    };
+    using Item = typename Kept<E, Linearisable<E, Value>>::type;
+    std::vector<Item, Eigen::aligned_allocator<Item>> items;
+  };
+
+  /// Keeps in `to` what products with the tangent at q share.
+  void linearise(const State<T>& q, Linearised& to) const requires Linearisable<E, Value> {
+    const T* from = unknowns(q);
+    to.items.resize(chunks_.size());
+    for_each_stretch([&](const Stretch& s) { linearise_of(s, from, to.items.data()); });
+  }
+  /// y += (d^2E/dq^2) d at the state of the last `linearise`.
+  void add_linearised_product(const Linearised& at, const Vector<T>& d, Vector<T>& y) const
+      requires Linearisable<E, Value> {
+    for_each_stretch(
+        [&](const Stretch& s) { add_linearised_product_of(s, at.items.data(), d.data(), y.data()); });
   }
 
   /// Calls f(stencil) for every stencil in storage order.
   template <class Function>
   void for_each_stencil(Function f) const {
-    for_each_chunk([&](const E&, const Chunk& chunk, int count) {
-      for (int l = 0; l < count; ++l) {
-        Stencil s;
-        for (std::size_t i = 0; i < blocks; ++i) s[i] = chunk.ids[i][static_cast<std::size_t>(l)];
-        f(s);
-      }
-    });
+    for (const Stretch& s : stretches_)
+      for (int k = 0; k < s.count; ++k) f(stencil(s.first * lanes + static_cast<std::size_t>(k)));
   }
 
   /// Adds scale times each stencil's Hessian to 3x3 blocks (nine scalars each, column-major). `positions`
   /// holds, stencil by stencil in storage order, the block numbers of (0,0), (0,1), ... row-major; -1 leaves
   /// a block out.
   void add_blocks(const State<T>& q, T scale, const std::vector<std::int32_t>& positions, T* values) const {
-    const std::int32_t* position = positions.data();
-    for_each_chunk([&](const E& model, const Chunk& chunk, int count) {
-      const Unknowns<E, Value> u = gather(chunk, q.displacement);
-      const typename E::template Data<Value>& data = chunk.data;
-      for (int j = 0; j < blocks; ++j)
-        for (int a = 0; a < 3; ++a) {
-          Tangent<E, Value> unit = Tangent<E, Value>::Zero();
-          unit[3 * j + a] = Value(scale);
-          const Tangent<E, Value> column = model.hessian_product(data, u, unit);
-          add_column(column, count, position + j, values + 3 * a);
-        }
-      position += count * blocks * blocks;
+    const T* from = unknowns(q);
+    for_each_stretch([&](const Stretch& s) {
+      add_blocks_of(s, from, scale, positions.data() + s.before * blocks * blocks, values);
     });
   }
 
+  /// Takes a stencil out at run time, by its place in the lists given at construction; nothing is made anew.
+  /// The last stencil of its stretch moves to its lane, so that the storage order changes: an assembled
+  /// tangent finds its pattern again by itself. Removing one twice does nothing.
+  /// @throws std::invalid_argument if there never was such a stencil
+  void remove(std::size_t index) {
+    if (index >= place_.size())
+      invalid(std::string("elements: no element ") + std::to_string(index) + " to remove (there were " +
+              std::to_string(place_.size()) + ")");
+    if (place_[index] == removed) return;
+    const std::size_t place = place_[index];
+    Stretch& s = *std::find_if(stretches_.begin(), stretches_.end(), [&](const Stretch& t) {
+      return place >= t.first * lanes && place < t.first * lanes + static_cast<std::size_t>(t.count);
+    });
+    const std::size_t last = s.first * lanes + static_cast<std::size_t>(s.count) - 1;
+    write(place, rest_data(last), stencil(last));
+    index_[place] = index_[last];
+    place_[index_[place]] = place;
+    place_[index] = removed;
+    --s.count;
+    --size_;
+    number_stencils();
+  }
+
  private:
+  static constexpr std::size_t lanes = static_cast<std::size_t>(N), removed = static_cast<std::size_t>(-1);
+  static constexpr bool translation_invariant = requires { requires E::translation_invariant; };
+  static constexpr bool from_positions = requires { requires E::from_positions; };
+  // Long enough that its own overhead and the blocks it shares with others do not count, short enough that a
+  // body of a thousand tetrahedra still keeps two threads busy.
+  static constexpr std::size_t stretch_length = std::max<std::size_t>(256, lanes);
+
   struct Chunk {
     typename E::template Data<Value> data;
     std::array<BlockIds<N>, blocks> ids;
   };
-  struct Run {
-    std::size_t model, first, last;  // chunks [first, last)
-    int tail;                        // stencils in the last chunk
+  struct Stretch {
+    std::size_t model, first;   // first chunk
+    int count;                  // stencils
+    std::ptrdiff_t before = 0;  // stencils of the stretches before
+    mutable double energy = 0;
+  };
+  static constexpr std::size_t numbers = sizeof(RestData) / sizeof(double);
+  static_assert(sizeof(typename E::template Data<Value>) == numbers * sizeof(Value),
+                "Data<T> may hold scalars T only");
+
+  void store(const std::vector<std::vector<std::size_t>>& members, const std::vector<RestData>& data,
+             const std::vector<Stencil>& stencils) {
+    std::vector<std::vector<std::size_t>> parts;
+    std::vector<std::size_t> model;
+    for (std::size_t m = 0; m < members.size(); ++m)
+      for (std::size_t k = 0; k < members[m].size(); k += stretch_length) {
+        const std::size_t end = std::min(k + stretch_length, members[m].size());
+        parts.emplace_back(members[m].begin() + static_cast<std::ptrdiff_t>(k),
+                           members[m].begin() + static_cast<std::ptrdiff_t>(end));
+        model.push_back(m);
+      }
+    std::vector<std::vector<std::int32_t>> touched(parts.size());
+    for (std::size_t p = 0; p < parts.size(); ++p)
+      for (const std::size_t e : parts[p])
+        touched[p].insert(touched[p].end(), stencils[e].begin(), stencils[e].end());
+    const std::vector<int> colour = detail::colours(touched);
+    std::vector<std::size_t> order(parts.size());
+    for (std::size_t p = 0; p < order.size(); ++p) order[p] = p;
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return colour[a] < colour[b]; });
+
+    std::size_t chunks = 0;
+    for (const auto& part : parts) chunks += (part.size() + lanes - 1) / lanes;
+    chunks_.resize(chunks);
+    index_.assign(chunks * lanes, 0);
+    place_.assign(stencils.size(), removed);
+    size_ = stencils.size();
+    std::size_t first = 0;
+    int last_colour = -1;
+    for (const std::size_t p : order) {
+      const auto& part = parts[p];
+      if (colour[p] != last_colour) colour_begin_.push_back(stretches_.size());
+      last_colour = colour[p];
+      stretches_.push_back({model[p], first, static_cast<int>(part.size())});
+      const std::size_t count = (part.size() + lanes - 1) / lanes;
+      for (std::size_t k = 0; k < count * lanes; ++k) {
+        const std::size_t e = part[std::min(k, part.size() - 1)], place = first * lanes + k;
+        std::array<double, numbers> rest;
+        std::memcpy(rest.data(), &data[e], sizeof(RestData));
+        write(place, rest, stencils[e]);
+        index_[place] = e;
+        if (k < part.size()) place_[e] = place;
+      }
+      first += count;
+    }
+    colour_begin_.push_back(stretches_.size());
+    number_stencils();
+  }
+
+  void number_stencils() {
+    std::ptrdiff_t before = 0;
+    for (Stretch& s : stretches_) {
+      s.before = before;
+      before += s.count;
+    }
+  }
+
+  // One lane's data and stencil; a place is chunk * N + lane.
+  void write(std::size_t place, const std::array<double, numbers>& rest, const Stencil& stencil) {
+    Chunk& chunk = chunks_[place / lanes];
+    std::array<Value, numbers> values;
+    std::memcpy(static_cast<void*>(values.data()), static_cast<const void*>(&chunk.data), sizeof(values));
+    for (std::size_t i = 0; i < numbers; ++i)
+      set_lane(values[i], static_cast<int>(place % lanes), static_cast<T>(rest[i]));
+    std::memcpy(static_cast<void*>(&chunk.data), static_cast<const void*>(values.data()), sizeof(values));
+    for (std::size_t i = 0; i < blocks; ++i) chunk.ids[i][place % lanes] = stencil[i];
+  }
+  [[nodiscard]] std::array<double, numbers> rest_data(std::size_t place) const {
+    std::array<Value, numbers> values;
+    std::memcpy(static_cast<void*>(values.data()), static_cast<const void*>(&chunks_[place / lanes].data),
+                sizeof(values));
+    std::array<double, numbers> rest;
+    for (std::size_t i = 0; i < numbers; ++i)
+      rest[i] = static_cast<double>(lane(values[i], static_cast<int>(place % lanes)));
+    return rest;
+  }
+  [[nodiscard]] Stencil stencil(std::size_t place) const {
+    Stencil s;
+    for (std::size_t i = 0; i < blocks; ++i) s[i] = chunks_[place / lanes].ids[i][place % lanes];
+    return s;
+  }
+
+  // What the stencils gather from: displacements, or positions made of them once for all stencils.
+  const T* unknowns(const State<T>& q) const {
+    if constexpr (from_positions) {
+      positions_ = rest_ + q.displacement;
+      return positions_.data();
+    } else {
+      return q.displacement.data();
+    }
+  }
+
+  // Calls f for every stretch; those of one colour may run at the same time.
+  template <class Function>
+  void for_each_stretch(Function f) const {
+#ifdef _OPENMP
+#pragma omp parallel if (stretches_.size() > 2)
+#endif
+    for (std::size_t c = 0; c + 1 < colour_begin_.size(); ++c) {
+      const auto begin = static_cast<std::ptrdiff_t>(colour_begin_[c]),
+                 end = static_cast<std::ptrdiff_t>(colour_begin_[c + 1]);
+#ifdef _OPENMP
+#pragma omp for schedule(static)
+#endif
+      for (std::ptrdiff_t s = begin; s < end; ++s) f(stretches_[static_cast<std::size_t>(s)]);
+    }
+  }
+
+  // The loops over chunks.
+
+  SOFTSIM_FLATTEN double energy_of(const Stretch& s, const T* from) const {
+    const E& model = models_[s.model];
+    double sum = 0;
+    const Chunk* chunk = chunks_.data() + s.first;
+    for (int k = 0; k < s.count; k += N, ++chunk) {
+      const Value w = model.energy(chunk->data, gather(*chunk, from));
+      for (int l = 0; l < std::min(N, s.count - k); ++l) sum += static_cast<double>(lane(w, l));
+    }
+    return sum;
+  }
+  SOFTSIM_FLATTEN void add_gradient_of(const Stretch& s, const T* from, T* y) const {
+    const E& model = models_[s.model];
+    const Chunk* chunk = chunks_.data() + s.first;
+    for (int k = 0; k < s.count; k += N, ++chunk)
+      scatter(*chunk, std::min(N, s.count - k), model.gradient(chunk->data, gather(*chunk, from)), y);
+  }
+  SOFTSIM_FLATTEN void add_product_of(const Stretch& s, const T* from, const T* d, T* y) const {
+    const E& model = models_[s.model];
+    const Chunk* chunk = chunks_.data() + s.first;
+    for (int k = 0; k < s.count; k += N, ++chunk)
+      scatter(*chunk, std::min(N, s.count - k),
+              model.hessian_product(chunk->data, gather(*chunk, from), gather_tangent(*chunk, d)), y);
+  }
+  template <class Item>
+  SOFTSIM_FLATTEN void linearise_of(const Stretch& s, const T* from, Item* items) const {
+    const E& model = models_[s.model];
+    for (std::size_t c = s.first; (c - s.first) * lanes < static_cast<std::size_t>(s.count); ++c)
+      items[c] = model.linearise(chunks_[c].data, gather(chunks_[c], from));
+  }
+  template <class Item>
+  SOFTSIM_FLATTEN void add_linearised_product_of(const Stretch& s, const Item* items, const T* d, T* y) const {
+    const E& model = models_[s.model];
+    const Chunk* chunk = chunks_.data() + s.first;
+    const Item* item = items + s.first;
+    for (int k = 0; k < s.count; k += N, ++chunk, ++item)
+      scatter(*chunk, std::min(N, s.count - k),
+              model.linearised_product(chunk->data, *item, gather_tangent(*chunk, d)), y);
+  }
+
+  SOFTSIM_FLATTEN void add_blocks_of(const Stretch& s, const T* from, T scale, const std::int32_t* position,
+                                      T* values) const {
+    const E& model = models_[s.model];
+    const Chunk* chunk = chunks_.data() + s.first;
+    for (int k = 0; k < s.count; k += N, ++chunk, position += N * blocks * blocks) {
+      const int count = std::min(N, s.count - k);
+      const Unknowns<E, Value> u = gather(*chunk, from);
+      if constexpr (closed_blocks) {
+        add_closed_blocks(model, model.block_form(chunk->data, u), count, scale, position, values);
+      } else if constexpr (Linearisable<E, Value>) {
+        const auto at = model.linearise(chunk->data, u);
+        add_columns(count, scale, position, values,
+                    [&](const Tangent<E, Value>& d) { return model.linearised_product(chunk->data, at, d); });
+      } else {
+        add_columns(count, scale, position, values,
+                    [&](const Tangent<E, Value>& d) { return model.hessian_product(chunk->data, u, d); });
+      }
+    }
+  }
+
+  static constexpr bool closed_blocks =
+      translation_invariant && requires(const E& e, const typename E::template Data<Value>& data,
+                                        const Unknowns<E, Value>& u) {
+    { e.template hessian_block<1, 1>(e.block_form(data, u)) } -> std::convertible_to<Mat3<Value>>;
   };
 
-  void add_run(std::size_t model, const std::vector<std::size_t>& members, const std::vector<RestData>& data,
-               const std::vector<Stencil>& stencils) {
-    if (members.empty()) return;
-    constexpr std::size_t n = static_cast<std::size_t>(N), numbers = sizeof(RestData) / sizeof(double);
-    static_assert(sizeof(typename E::template Data<Value>) == numbers * sizeof(Value),
-                  "Data<T> may hold scalars T only");
-    const std::size_t first = chunks_.size(), count = (members.size() + n - 1) / n;
-    chunks_.resize(first + count);
-    for (std::size_t k = 0; k < count * n; ++k) {
-      const std::size_t e = members[std::min(k, members.size() - 1)];
-      Chunk& chunk = chunks_[first + k / n];
-      std::array<double, numbers> rest;
-      std::memcpy(rest.data(), &data[e], sizeof(RestData));
-      std::array<Value, numbers> lanes;
-      std::memcpy(static_cast<void*>(lanes.data()), &chunk.data, sizeof(lanes));
-      for (std::size_t i = 0; i < numbers; ++i)
-        set_lane(lanes[i], static_cast<int>(k % n), static_cast<T>(rest[i]));
-      std::memcpy(static_cast<void*>(&chunk.data), lanes.data(), sizeof(lanes));
-      for (std::size_t i = 0; i < blocks; ++i) chunk.ids[i][k % n] = stencils[e][i];
+  // Blocks (i, j) with 1 <= i <= j from the closed form; those of point 0 are minus the sums.
+  template <class Form>
+  static void add_closed_blocks(const E& model, const Form& form, int count, T scale,
+                                const std::int32_t* position, T* values) {
+    std::array<Mat3<Value>, blocks> first;  // (i, 0)
+    for (auto& m : first) m.setZero();
+    const auto add = [&](int i, int j, const Mat3<Value>& m) {
+      scatter_add_matrix<T, N>(values, position + i * blocks + j, blocks * blocks, m, count);
+    };
+    const auto each = [&]<int i, int j>() {
+      Mat3<Value> m = model.template hessian_block<i, j>(form);
+      m *= Value(scale);
+      add(i, j, m);
+      first[i] -= m;
+      if constexpr (i != j) {
+        const Mat3<Value> t = m.transpose();
+        add(j, i, t);
+        first[j] -= t;
+      }
+    };
+    const auto row = [&]<int i, int... k>(std::integer_sequence<int, k...>) {
+      (each.template operator()<i, i + k>(), ...);
+    };
+    [&]<int... i>(std::integer_sequence<int, i...>) {
+      (row.template operator()<i + 1>(std::make_integer_sequence<int, blocks - 1 - i>()), ...);
+    }(std::make_integer_sequence<int, blocks - 1>());
+    for (int i = 1; i < blocks; ++i) {
+      const Mat3<Value>& m = first[static_cast<std::size_t>(i)];
+      const Mat3<Value> t = m.transpose();
+      add(i, 0, m);
+      add(0, i, t);
+      first[0] -= t;
     }
-    size_ += members.size();
-    runs_.push_back({model, first, first + count, static_cast<int>(members.size() - (count - 1) * n)});
+    add(0, 0, first[0]);
   }
 
-  template <class Function>
-  void for_each_chunk(Function f) const {
-    for (const Run& run : runs_) {
-      const E& model = models_[run.model];
-      for (std::size_t c = run.first; c + 1 < run.last; ++c) f(model, chunks_[c], N);
-      f(model, chunks_[run.last - 1], run.tail);
+  // Column by column from products.
+  template <class Product>
+  static void add_columns(int count, T scale, const std::int32_t* position, T* values, Product product) {
+    constexpr int begin = translation_invariant ? 1 : 0;
+    std::array<Mat3<Value>, blocks> sum;  // minus the sums over columns and rows, for point 0
+    for (auto& m : sum) m.setZero();
+    const auto add = [&](int i, int j, const Mat3<Value>& m) {
+      scatter_add_matrix<T, N>(values, position + i * blocks + j, blocks * blocks, m, count);
+    };
+    for (int j = begin; j < blocks; ++j) {
+      std::array<Mat3<Value>, blocks> m;
+      for (int a = 0; a < 3; ++a) {
+        Tangent<E, Value> unit = Tangent<E, Value>::Zero();
+        unit[3 * j + a] = Value(scale);
+        const Tangent<E, Value> column = product(unit);
+        for (int i = begin; i < blocks; ++i)
+          m[static_cast<std::size_t>(i)].col(a) = column.template segment<3>(3 * i);
+      }
+      Mat3<Value> top = Mat3<Value>::Zero();
+      for (int i = begin; i < blocks; ++i) {
+        add(i, j, m[static_cast<std::size_t>(i)]);
+        if constexpr (translation_invariant) {
+          sum[static_cast<std::size_t>(i)] -= m[static_cast<std::size_t>(i)];
+          top -= m[static_cast<std::size_t>(i)];
+        }
+      }
+      if constexpr (translation_invariant) add(0, j, top);
+    }
+    if constexpr (translation_invariant) {
+      for (int i = 1; i < blocks; ++i) {
+        add(i, 0, sum[static_cast<std::size_t>(i)]);
+        sum[0] -= sum[static_cast<std::size_t>(i)];
+      }
+      add(0, 0, sum[0]);
     }
   }
 
-  static Unknowns<E, Value> gather(const Chunk& chunk, const Vector<T>& from) {
+  static Unknowns<E, Value> gather(const Chunk& chunk, const T* from) {
     Unknowns<E, Value> u;
-    for (std::size_t i = 0; i < blocks; ++i) u.points[i] = gather_blocks<T, N>(from.data(), chunk.ids[i]);
+    if constexpr (translation_invariant)
+      gather_relative<T, N>(from, chunk.ids, u.points);
+    else
+      for (std::size_t i = 0; i < blocks; ++i) u.points[i] = gather_blocks<T, N>(from, chunk.ids[i]);
     return u;
   }
-
-  static void scatter(const Chunk& chunk, int count, const Tangent<E, Value>& f, Vector<T>& y) {
-    for (int i = 0; i < blocks; ++i) {
-      const Vec3<Value> part = f.template segment<3>(3 * i);
-      scatter_add_blocks<T, N>(y.data(), chunk.ids[static_cast<std::size_t>(i)], part, count);
-    }
+  static Tangent<E, Value> gather_tangent(const Chunk& chunk, const T* from) {
+    const Unknowns<E, Value> u = gather(chunk, from);
+    Tangent<E, Value> d;
+    for (int i = 0; i < blocks; ++i) d.template segment<3>(3 * i) = u.points[static_cast<std::size_t>(i)];
+    return d;
   }
 
-  // Adds the three scalars of every row block of one Hessian column at stride 9 positions; `position` points
-  // to the column's block in row 0 of the first stencil.
-  static void add_column(const Tangent<E, Value>& column, int count, const std::int32_t* position,
-                         T* values) {
-    alignas(64) T scratch[3 * blocks][N];
-    std::memcpy(scratch, static_cast<const void*>(column.data()), sizeof(scratch));
-    for (int l = 0; l < count; ++l)
+  static void scatter(const Chunk& chunk, int count, const Tangent<E, Value>& f, T* y) {
+    if constexpr (translation_invariant) {
+      scatter_add_balanced<T, N>(y, chunk.ids, f.data(), count);
+    } else {
       for (int i = 0; i < blocks; ++i) {
-        const std::int32_t p = position[(l * blocks + i) * blocks];
-        if (p < 0) continue;
-        T* block = values + 9 * static_cast<std::ptrdiff_t>(p);
-        for (int b = 0; b < 3; ++b) block[b] += scratch[3 * i + b][l];
+        const Vec3<Value> part = f.template segment<3>(3 * i);
+        scatter_add_blocks<T, N>(y, chunk.ids[static_cast<std::size_t>(i)], part, count);
       }
+    }
   }
 
   std::vector<E> models_;
   std::vector<Chunk, Eigen::aligned_allocator<Chunk>> chunks_;
-  std::vector<Run> runs_;
+  std::vector<Stretch> stretches_;          // in the order they are worked off
+  std::vector<std::size_t> colour_begin_;   // first stretch of each colour, and the end
+  std::vector<std::size_t> index_, place_;  // of each lane the place in the lists given, and back
   std::size_t size_ = 0;
+  Vector<T> rest_;
+  mutable Vector<T> positions_;
 };
 
 }  // namespace softsim

@@ -1,0 +1,375 @@
+// SPDX-FileCopyrightText: 2026 The softsim authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "softsim/concepts.hpp"
+#include "softsim/core/error.hpp"
+#include "softsim/material/prony.hpp"
+#include "softsim/potential/elastic.hpp"
+#include "softsim/potential/memory_elements.hpp"
+
+namespace softsim {
+
+/// Prony series on the nodal forces of any term (Goulette & Chen 2015, Sec. 3.5): the gradient f of the term
+/// becomes f - sum gamma_k, with gamma_k one vector per node and Prony term. The cheaper of the two kinds: a
+/// step costs one evaluation of f and one pass over the nodes. But a nodal history keeps its direction in
+/// space: it is exact for a body that does not turn and wrong by about the angle turned since the load came
+/// on, times the share that has relaxed. For bodies that turn, and where elements are removed, use
+/// `PronyElastic`.
+///
+/// During an implicit step the energy is instant E(q) - history . q, whose derivatives are the gradient and
+/// Hessian given. `add_gradient` keeps the last f for the step's end: one thread at a time.
+template <ForceTerm Term>
+class PronyNodes {
+ public:
+  using Scalar = typename Term::Scalar;
+  using T = Scalar;
+  static constexpr bool conservative = Term::conservative, external = false, has_hessian = Term::has_hessian;
+
+  StaticResponse static_response = StaticResponse::relaxed;  ///< what a static solve sees
+
+  /// @param term the elastic response
+  /// @param points number of points of the system
+  PronyNodes(Term term, std::size_t points, PronySeries series)
+      : term_(std::move(term)), series_(std::move(series)), step_(series_) {
+    const std::ptrdiff_t size = block_stride * static_cast<std::ptrdiff_t>(points);
+    gamma_.assign(series_.terms().size(), Vector<T>::Zero(size));
+    for (Vector<T>* v : {&force_, &state_, &start_force_, &start_, &history_, &product_}) v->setZero(size);
+    reset();
+  }
+
+  /// The elastic response; may be changed between steps.
+  [[nodiscard]] Term& term() {
+    state_.fill(nothing);
+    return term_;
+  }
+  /// The elastic response.
+  [[nodiscard]] const Term& term() const { return term_; }
+  /// The series.
+  [[nodiscard]] const PronySeries& series() const { return series_; }
+
+  /// Forgets everything: nothing has acted on the body.
+  void reset() {
+    for (Vector<T>& g : gamma_) g.setZero();
+    state_.fill(nothing);
+    start_.fill(nothing);
+    now();
+  }
+  /// The body has been in q for ever.
+  void settle(const State<T>& q) { settle(q, StaticResponse::relaxed); }
+
+  /// Forces are those dt after the state q from now on; dt = 0 for integrators that need them at q.
+  void begin_step(const State<T>& q, const Vector<T>& v, double dt) {
+    if constexpr (requires { term_.begin_step(q, v, dt); }) {
+      term_.begin_step(q, v, dt);
+      state_.fill(nothing);
+    }
+    // Where the state has been changed since the last step its force came on at once, not along the step.
+    if (series_.update() == PronyUpdate::exponential && !gamma_.empty()) keep_start(q);
+    if (dt == 0 && ahead_ == 0) return;
+    ahead_ = dt;
+    step_.set(series_, dt);
+    history_.setZero();
+    for (std::size_t k = 0; k < gamma_.size(); ++k) {
+      history_ += static_cast<T>(step_.terms[k].decay) * gamma_[k];
+      if (step_.start != 0) history_ += static_cast<T>(step_.terms[k].start) * start_force_;
+    }
+  }
+  /// A step of dt has ended in q.
+  void end_step(const State<T>& q, const Vector<T>& v, double dt) {
+    const Vector<T>& f = force(q);
+    step_.set(series_, dt);
+    // A stretch at a time, so that it is still in the cache for the next Prony term.
+    constexpr std::ptrdiff_t stretch = 512;
+    for (std::ptrdiff_t i = 0; i < f.size(); i += stretch) {
+      const std::ptrdiff_t n = std::min(stretch, f.size() - i);
+      auto sum = history_.segment(i, n);
+      sum.setZero();
+      for (std::size_t k = 0; k < gamma_.size(); ++k) {
+        const auto [decay, start, end] = step_.terms[k];
+        auto g = gamma_[k].segment(i, n);
+        g = static_cast<T>(decay) * g + static_cast<T>(end) * f.segment(i, n);
+        if (start != 0) g += static_cast<T>(start) * start_force_.segment(i, n);
+        sum += g;
+      }
+    }
+    step_.set(series_, 0);
+    ahead_ = 0;
+    if constexpr (requires { term_.end_step(q, v, dt); }) {
+      term_.end_step(q, v, dt);
+      state_.fill(nothing);
+    }
+  }
+  /// Forces are those of the static problem from now on.
+  void begin_static() {
+    if constexpr (requires { term_.begin_static(); }) term_.begin_static();
+    ahead_ = -1;
+    step_.instant = static_response == StaticResponse::relaxed ? series_.relaxed() : 1;
+    history_.setZero();
+  }
+  /// The static problem has been solved by q: dynamics may go on from there in equilibrium.
+  void end_static(const State<T>& q) {
+    if constexpr (requires { term_.end_static(q); }) term_.end_static(q);
+    settle(q, static_response);
+  }
+
+  /// Energy whose derivative the gradient is, J: the stored energy at first and in a static problem.
+  [[nodiscard]] double energy(const State<T>& q) const requires Potential<Term> {
+    return step_.instant * term_.energy(q) - dot(history_, q.displacement);
+  }
+  /// y += instant f(q) - history, minus the force, N.
+  void add_gradient(const State<T>& q, Vector<T>& y) const {
+    y += static_cast<T>(step_.instant) * force(q) - history_;
+  }
+  /// y += instant K(q) d.
+  void add_hessian_product(const State<T>& q, const Vector<T>& d, Vector<T>& y) const {
+    product_.setZero(d.size());
+    term_.add_hessian_product(q, d, product_);
+    y += static_cast<T>(step_.instant) * product_;
+  }
+
+  /// As the term.
+  [[nodiscard]] std::size_t size() const requires has_hessian { return term_.size(); }
+  /// As the term.
+  template <class Function>
+  void for_each_stencil(Function f) const requires has_hessian {
+    term_.for_each_stencil(f);
+  }
+  /// As the term, times `instant`.
+  void add_blocks(const State<T>& q, T scale, const std::vector<std::int32_t>& positions,
+                  T* values) const requires has_hessian {
+    term_.add_blocks(q, static_cast<T>(step_.instant) * scale, positions, values);
+  }
+
+ private:
+  static constexpr T nothing = std::numeric_limits<T>::quiet_NaN();  // differs from every state
+
+  // f(q), from the last call if that was for the same state.
+  const Vector<T>& force(const State<T>& q) const {
+    if (!same_bits(state_, q.displacement)) {
+      state_ = q.displacement;
+      force_.setZero();
+      term_.add_gradient(q, force_);
+    }
+    return force_;
+  }
+  void keep_start(const State<T>& q) {
+    if (same_bits(start_, q.displacement)) return;
+    start_ = q.displacement;
+    start_force_ = force(q);
+  }
+  void settle(const State<T>& q, StaticResponse response) {
+    const Vector<T>& f = force(q);
+    for (std::size_t k = 0; k < gamma_.size(); ++k)
+      gamma_[k] = static_cast<T>(response == StaticResponse::relaxed ? series_.terms()[k].weight : 0) * f;
+    now();
+  }
+  // Forces are those of now.
+  void now() {
+    step_.set(series_, 0);
+    ahead_ = 0;
+    history_.setZero();
+    for (const Vector<T>& g : gamma_) history_ += g;
+  }
+
+  Term term_;
+  PronySeries series_;
+  PronyStep step_;
+  double ahead_ = 0;                 // s after the last state that forces stand for; -1 for a static problem
+  std::vector<Vector<T>> gamma_;     // N
+  Vector<T> history_;                // what the gradient is less than instant f by, N
+  Vector<T> start_, start_force_;    // the state that a step starts from and f there
+  mutable Vector<T> state_, force_;  // the state last asked for and f there
+  mutable Vector<T> product_;
+};
+
+/// Prony series on the nodal forces of a term, in a system with `points` points.
+template <ForceTerm Term>
+[[nodiscard]] PronyNodes<Term> prony_nodes(Term term, std::size_t points, PronySeries series) {
+  return {std::move(term), points, std::move(series)};
+}
+
+/// Prony series on the second Piola-Kirchhoff stress of one integration point: S - sum gamma_k with tau_k
+/// gamma_k' + gamma_k = alpha_k S. S does not see rotations, hence neither does the history: the response is
+/// objective, whatever the body does while it relaxes. Where the shape is held it is that of `PronyNodes`.
+/// With E the Green strain and h the history, a step minimises V (instant psi(F) - h : E), the gradient is
+/// V B^T (instant P - F h). Goes into `MemoryElements`. Needs det F != 0 where a step ends (a law's S may
+/// grow without bound there); after a state that is not finite call `reset` or `settle`.
+template <class K, class M>
+requires Kinematics<K> && Material<M> && requires(const M& m, const Mat3<double>& F) { m.second_piola(F); }
+struct PronyElastic {
+  static constexpr int points = K::points;
+  template <class T>
+  using Data = typename K::template Data<T>;
+
+  M material;
+  PronySeries series;
+  StaticResponse static_response = StaticResponse::relaxed;  ///< what a static solve sees
+
+  /// A material with its series.
+  PronyElastic(M material_, PronySeries series_, StaticResponse response = StaticResponse::relaxed)
+      : material(std::move(material_)),
+        series(std::move(series_)),
+        static_response(response),
+        step_(series) {}
+
+  /// Six numbers each for the history, S at the start of the step and every term.
+  [[nodiscard]] std::size_t memory_size() const { return 6 * (2 + series.terms().size()); }
+
+  /// See `MemoryElements`.
+  void set_step(double dt) {
+    step_.set(series, dt);
+    static_ = false;
+  }
+  /// See `MemoryElements`.
+  void set_static() {
+    step_.set(series, 0);
+    if (static_response == StaticResponse::relaxed) step_.instant = series.relaxed();
+    static_ = true;
+  }
+  /// Takes S at u.
+  template <class T>
+  void remember(const Data<T>& data, T* memory, const Local<T, points>& u) const {
+    write(stress(data, u), memory + 6);
+  }
+  /// Makes the history of the step.
+  template <class T>
+  void prepare(T* memory) const {
+    for (int i = 0; i < 6; ++i) {
+      T sum(0);
+      if (!static_) {
+        sum = T(step_.start) * memory[6 + i];
+        for (std::size_t k = 0; k < step_.terms.size(); ++k)
+          sum += T(step_.terms[k].decay) * memory[static_cast<std::size_t>(i) + 12 + 6 * k];
+      }
+      memory[i] = sum;
+    }
+  }
+  /// Carries the terms to the end of the step, and the history to that time.
+  template <class T>
+  void close(const Data<T>& data, T* memory, const Local<T, points>& u) const {
+    T end[6], sum[6];
+    write(stress(data, u), end);
+    for (int i = 0; i < 6; ++i) sum[i] = T(0);
+    T* gamma = memory + 12;
+    for (const PronySeries::Coefficients& c : step_.terms) {
+      const T decay(c.decay), from_start(c.start), from_end(c.end);
+      for (int i = 0; i < 6; ++i) {
+        gamma[i] = decay * gamma[i] + from_start * memory[6 + i] + from_end * end[i];
+        sum[i] += gamma[i];
+      }
+      gamma += 6;
+    }
+    for (int i = 0; i < 6; ++i) {
+      memory[i] = sum[i];
+      memory[6 + i] = end[i];
+    }
+  }
+  /// The terms of a body that has been in u for ever (relaxed) or has just come there.
+  template <class T>
+  void settle(const Data<T>& data, T* memory, const Local<T, points>& u, StaticResponse response) const {
+    write(stress(data, u), memory + 6);
+    for (int i = 0; i < 6; ++i) {
+      T sum(0), *gamma = memory + 12 + i;
+      for (const PronyTerm& term : series.terms()) {
+        *gamma = T(response == StaticResponse::relaxed ? term.weight : 0) * memory[6 + i];
+        sum += *gamma;
+        gamma += 6;
+      }
+      memory[i] = sum;
+    }
+  }
+
+  /// V (instant psi(F) - h : E), J.
+  template <class T>
+  [[nodiscard]] T energy(const Data<T>& data, const T* memory, const Local<T, points>& u) const {
+    const Mat3<T> F = K::deformation_gradient(data, u), H = F - Mat3<T>::Identity();
+    const Mat3<T> twice_E = H + H.transpose() + H.transpose() * H;
+    return K::volume(data) *
+           (T(step_.instant) * material.energy_density(F) - T(0.5) * double_dot(read(memory), twice_E));
+  }
+  /// V B^T (instant P - F h), N.
+  template <class T>
+  [[nodiscard]] Eigen::Matrix<T, 3 * points, 1> gradient(const Data<T>& data, const T* memory,
+                                                         const Local<T, points>& u) const {
+    return K::pullback(data, u, scaled_stress(data, memory, K::deformation_gradient(data, u)));
+  }
+  /// V B^T (instant dP - dF h), and the geometric product where F is not linear in the unknowns.
+  template <class T>
+  [[nodiscard]] Eigen::Matrix<T, 3 * points, 1> hessian_product(
+      const Data<T>& data, const T* memory, const Local<T, points>& u,
+      const Eigen::Matrix<T, 3 * points, 1>& du) const {
+    const Mat3<T> F = K::deformation_gradient(data, u);
+    const Mat3<T> dF = K::deformation_gradient_differential(data, u, du), h = read(memory), dFh = dF * h;
+    const T c(step_.instant);
+    Mat3<T> dP = material.first_piola_differential(F, dF);
+    dP = c * dP - dFh;
+    dP *= K::volume(data);
+    Eigen::Matrix<T, 3 * points, 1> df = K::pullback(data, u, dP);
+    if constexpr (NonlinearKinematics<K, T>)
+      df += K::geometric_product(data, u, scaled_stress(data, memory, F), du);
+    return df;
+  }
+
+ private:
+  template <class T>
+  Mat3<T> stress(const Data<T>& data, const Local<T, points>& u) const {
+    return material.second_piola(K::deformation_gradient(data, u));
+  }
+  template <class T>
+  Mat3<T> scaled_stress(const Data<T>& data, const T* memory, const Mat3<T>& F) const {
+    const T c(step_.instant);
+    const Mat3<T> h = read(memory), Fh = F * h;
+    Mat3<T> P = material.first_piola(F);
+    P = c * P - Fh;
+    P *= K::volume(data);
+    return P;
+  }
+  template <class T>
+  static void write(const Mat3<T>& S, T* to) {
+    to[0] = S(0, 0);
+    to[1] = S(1, 1);
+    to[2] = S(2, 2);
+    to[3] = S(0, 1);
+    to[4] = S(0, 2);
+    to[5] = S(1, 2);
+  }
+  template <class T>
+  static Mat3<T> read(const T* s) {
+    Mat3<T> S;  // without a comma initialiser, which counts its way at run time
+    S(0, 0) = s[0];
+    S(1, 1) = s[1];
+    S(2, 2) = s[2];
+    S(0, 1) = S(1, 0) = s[3];
+    S(0, 2) = S(2, 0) = s[4];
+    S(1, 2) = S(2, 1) = s[5];
+    return S;
+  }
+
+  PronyStep step_;
+  bool static_ = false;
+};
+
+/// A mesh of linear tetrahedra with a Prony series on the stress of each, see `PronyElastic`.
+template <class M, class T = double, int N = default_lanes<T>>
+using PronyTetrahedra = MemoryElements<PronyElastic<LinearTetrahedron, M>, T, N>;
+
+/// Viscoelastic tetrahedra of one material, history per element, see `PronyElastic`.
+template <class T = double, int N = default_lanes<T>, class M>
+requires Material<M>
+[[nodiscard]] PronyTetrahedra<M, T, N> prony_elements(const TetrahedralMesh& mesh, const M& material,
+                                                      PronySeries series,
+                                                      StaticResponse response = StaticResponse::relaxed) {
+  return {{PronyElastic<LinearTetrahedron, M>(material, std::move(series), response)},
+          detail::tetrahedron_data(mesh),
+          mesh.tetrahedra()};
+}
+
+}  // namespace softsim
