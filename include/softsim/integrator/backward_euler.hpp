@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "softsim/solver/newton.hpp"
+#include "softsim/system/system.hpp"
 
 namespace softsim {
 
@@ -39,8 +40,9 @@ class BackwardEuler {
 
   /// Advances the motion by dt. If the result is not finite the motion stays as it was; if it did not
   /// converge the motion takes the last iterate.
-  StepReport step(const S& system, Motion<T>& motion) {
+  StepReport step(Stepped<S> system, Motion<T>& motion) {
     const double h = options_.dt;
+    if constexpr (S::has_memory) system.begin_step(motion.q, motion.v, h);
     start_ = motion.q;
     potential_.set_step(system, start_, motion.v, h);
     StepReport report;
@@ -71,6 +73,7 @@ class BackwardEuler {
     motion.q.displacement.swap(next_.displacement);
     motion.v = d_ / static_cast<T>(h);
     motion.time += h;
+    if constexpr (S::has_memory) system.end_step(motion.q, motion.v, h);
     return report;
   }
 

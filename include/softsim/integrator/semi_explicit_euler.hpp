@@ -7,6 +7,7 @@
 #include "softsim/core/state.hpp"
 #include "softsim/solver/conjugate_gradient.hpp"
 #include "softsim/solver/report.hpp"
+#include "softsim/system/system.hpp"
 
 namespace softsim {
 
@@ -31,11 +32,13 @@ class SemiExplicitEuler {
   }
 
   /// Advances the motion by dt. If the result is not finite the motion stays as it was.
-  StepReport step(const S& system, Motion<T>& motion) {
+  StepReport step(Stepped<S> system, Motion<T>& motion) {
     StepReport report;
+    if constexpr (S::has_memory) system.begin_step(motion.q, motion.v, 0);
     const T h = static_cast<T>(options_.dt);
     f_.setZero(system.size());
     system.add_gradient(motion.q, f_);
+    system.add_damping_product(motion.q, motion.v, f_);
     if (system.damping.beta != 0) {
       p_ = static_cast<T>(system.damping.beta) * motion.v;
       system.add_hessian_product(motion.q, p_, f_);
@@ -68,6 +71,7 @@ class SemiExplicitEuler {
     motion.q.displacement.swap(next_.displacement);
     motion.v.swap(v_);
     motion.time += options_.dt;
+    if constexpr (S::has_memory) system.end_step(motion.q, motion.v, options_.dt);
     return report;
   }
 

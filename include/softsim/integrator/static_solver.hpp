@@ -4,6 +4,7 @@
 
 #include "softsim/solver/newton.hpp"
 #include "softsim/system/supports.hpp"
+#include "softsim/system/system.hpp"
 
 namespace softsim {
 
@@ -16,12 +17,18 @@ class StaticSolver {
   /// @throws std::invalid_argument for a tolerance <= 0 or fewer than one iteration
   explicit StaticSolver(const NewtonOptions& options = {}) : newton_(options) {}
 
-  /// Moves q to equilibrium; on failure q is the last finite iterate.
+  /// Moves q to equilibrium; on failure q is the last finite iterate. Terms with a history take part with
+  /// their static response, and their history afterwards is such that a motion may start from q in
+  /// equilibrium.
   /// @throws std::invalid_argument, before anything moves, if a piece of the system is not held
-  StepReport solve(const S& system, State<T>& q) {
+  StepReport solve(Stepped<S> system, State<T>& q) {
     require_supports(system);
+    if constexpr (S::has_memory) system.begin_static();
     potential_.set_static(system);
-    return newton_.minimise(potential_, q);
+    const StepReport report = newton_.minimise(potential_, q);
+    if constexpr (S::has_memory)
+      if (report.status != Status::not_finite) system.end_static(q);
+    return report;
   }
 
  private:

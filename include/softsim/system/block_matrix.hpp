@@ -64,16 +64,22 @@ class BlockMatrix {
   /// y = A x.
   void apply(const Vector<T>& x, Vector<T>& y) const {
     using Four = Batch<T, 4>;
-    const T* value = values_.data();
-    for (std::size_t i = 0; i + 1 < row_start_.size(); ++i) {
+    const auto count = static_cast<std::ptrdiff_t>(rows());
+#ifdef _OPENMP
+#pragma omp parallel for schedule(static) if (count > 1000)
+#endif
+    for (std::ptrdiff_t i = 0; i < count; ++i) {
       Four sum(0);  // its fourth lane gathers the neighbouring scalar and is dropped
-      for (std::int32_t k = row_start_[i]; k < row_start_[i + 1]; ++k, value += 9) {
+      const std::int32_t begin = row_start_[static_cast<std::size_t>(i)],
+                         end = row_start_[static_cast<std::size_t>(i) + 1];
+      const T* value = values_.data() + 9 * static_cast<std::ptrdiff_t>(begin);
+      for (std::int32_t k = begin; k < end; ++k, value += 9) {
         const T* xj =
             x.data() + block_stride * static_cast<std::ptrdiff_t>(column_[static_cast<std::size_t>(k)]);
         sum += Four::load(value) * Four(xj[0]) + Four::load(value + 3) * Four(xj[1]) +
                Four::load(value + 6) * Four(xj[2]);
       }
-      T* yi = y.data() + block_stride * static_cast<std::ptrdiff_t>(i);
+      T* yi = y.data() + block_stride * i;
       sum.store(yi);
       yi[3] = T(0);
     }

@@ -12,12 +12,16 @@
 
 #include "softsim/concepts.hpp"
 #include "softsim/core/error.hpp"
+#include "softsim/kinematics/isoparametric.hpp"
 #include "softsim/kinematics/linear_tetrahedron.hpp"
+#include "softsim/mesh/element_mesh.hpp"
 #include "softsim/mesh/tetrahedral_mesh.hpp"
+#include "softsim/potential/quadrature.hpp"
 
 namespace softsim {
 
-/// What is known of one deformed tetrahedron.
+/// What is known of one deformed element, as means over its integration points: of J and psi by rest volume,
+/// of the Cauchy stress by deformed volume.
 struct ElementField {
   double j;                ///< det F, deformed over rest volume
   double von_mises;        ///< of the Cauchy stress, Pa
@@ -36,36 +40,56 @@ struct ElementField {
   return std::sqrt(1.5 * double_dot(s, s));
 }
 
-/// Fields of every tetrahedron at q, in the order of the mesh; arguments as for `elastic`. Stresses of a
-/// tetrahedron whose F the law is not defined for (J <= 0 for Neo-Hookean) are NaN.
+namespace detail {
+
+// Calls f(kinematics, rest data) for every integration point of element e.
+template <class Function>
+void for_each_integration_point(const TetrahedralMesh& mesh, std::size_t e, Function f) {
+  f(LinearTetrahedron{}, LinearTetrahedron::make(mesh.element_points(e)));
+}
+template <IsoparametricElements Mesh, class Function>
+void for_each_integration_point(const Mesh& mesh, std::size_t e, Function f) {
+  using S = typename Mesh::Shape;
+  for (const auto& data : integration_data<S>(mesh.element_points(e))) f(Isoparametric<S>{}, data);
+}
+
+}  // namespace detail
+
+/// Fields of every element at q, in the order of the mesh; arguments as for `elastic`. Stresses of an element
+/// with a point whose F the law is not defined for (J <= 0 for Neo-Hookean) are NaN.
 /// @throws std::invalid_argument as `elastic` does for its list of indices
-template <class T, class M>
-[[nodiscard]] std::vector<ElementField> element_fields(const TetrahedralMesh& mesh,
-                                                       const std::vector<M>& materials,
+template <SolidMesh Mesh, class T, class M>
+[[nodiscard]] std::vector<ElementField> element_fields(const Mesh& mesh, const std::vector<M>& materials,
                                                        const std::vector<std::int32_t>& material_index,
                                                        const State<T>& q) {
-  if (materials.empty() || (!material_index.empty() && material_index.size() != mesh.tetrahedra().size()))
+  const std::size_t count = mesh.elements().size();
+  if (materials.empty() || (!material_index.empty() && material_index.size() != count))
     invalid(std::string("element fields: ") + std::to_string(materials.size()) + " materials and " +
-            std::to_string(material_index.size()) + " indices for " +
-            std::to_string(mesh.tetrahedra().size()) + " tetrahedra");
+            std::to_string(material_index.size()) + " indices for " + std::to_string(count) + " " +
+            Mesh::name.plural);
   for (const std::int32_t m : material_index)
     if (m < 0 || static_cast<std::size_t>(m) >= materials.size())
       invalid(std::string("element fields: material index ") + std::to_string(m) + " is out of range");
   std::vector<ElementField> fields;
-  fields.reserve(mesh.tetrahedra().size());
-  for (std::size_t t = 0; t < mesh.tetrahedra().size(); ++t) {
-    std::array<Vec3<double>, 4> X;
-    Local<double, 4> u;
-    for (std::size_t i = 0; i < 4; ++i) {
-      const std::int32_t node = mesh.tetrahedra()[t][i];
-      X[i] = mesh.points()[static_cast<std::size_t>(node)];
-      u.points[i] = q.point(node).template cast<double>();
-    }
-    const M& material = materials[material_index.empty() ? 0 : static_cast<std::size_t>(material_index[t])];
-    const Mat3<double> F = LinearTetrahedron::deformation_gradient(LinearTetrahedron::make(X), u);
-    const Mat3<double> sigma = cauchy_stress(F, material.first_piola(F));
-    ElementField field{determinant(F), von_mises(sigma), Vec3<double>::Constant(std::nan("")),
-                       material.energy_density(F)};
+  fields.reserve(count);
+  for (std::size_t e = 0; e < count; ++e) {
+    const M& material = materials[material_index.empty() ? 0 : static_cast<std::size_t>(material_index[e])];
+    double rest = 0, deformed = 0, energy = 0;
+    Mat3<double> sum = Mat3<double>::Zero();
+    detail::for_each_integration_point(mesh, e, [&]<class K>(K, const auto& data) {
+      Local<double, K::points> u;
+      for (std::size_t i = 0; i < u.points.size(); ++i)
+        u.points[i] = q.point(mesh.elements()[e][i]).template cast<double>();
+      const Mat3<double> F = K::deformation_gradient(data, u), P = material.first_piola(F);
+      const double V = K::volume(data), v = V * determinant(F);
+      rest += V;
+      deformed += v;
+      energy += V * material.energy_density(F);
+      sum += v * cauchy_stress(F, P);
+    });
+    const Mat3<double> sigma = sum / deformed;
+    ElementField field{deformed / rest, von_mises(sigma), Vec3<double>::Constant(std::nan("")),
+                       energy / rest};
     if (sigma.allFinite())
       field.principal =
           Eigen::SelfAdjointEigenSolver<Mat3<double>>(sigma, Eigen::EigenvaluesOnly).eigenvalues().reverse();

@@ -12,8 +12,8 @@ namespace softsim {
 
 /// What one backward Euler step of size h from (q_0, v_0) minimises, with d = difference(q_0, q):
 ///   E(q) + 1/(2 h^2) |d - h v_0|_M^2 + alpha/(2 h) |d|_M^2 + beta/(2 h) d . K(q_0) d,
-/// the last two being Rayleigh damping with the Hessian frozen at the start of the step. With h = 0 it stands
-/// for E(q) alone, a static problem. Its gradient is the residual of equilibrium.
+/// the last two being Rayleigh damping with the elastic Hessian frozen at the start of the step. With h = 0
+/// it stands for E(q) alone, a static problem. Its gradient is the residual of equilibrium.
 template <class S>
 class IncrementalPotential {
  public:
@@ -38,7 +38,7 @@ class IncrementalPotential {
     difference(*q_0_, q, d_);
     if (damping.beta != 0) {
       product_.setZero();
-      system_->add_hessian_product(*q_0_, d_, product_);
+      system_->add_elastic_hessian_product(*q_0_, d_, product_);
       sum += damping.beta / (2 * h_) * dot(d_, product_);
     }
     if (damping.alpha != 0) {
@@ -65,7 +65,7 @@ class IncrementalPotential {
       difference(*q_0_, q, d_);
       if (damping.beta != 0) {
         product_ = static_cast<T>(damping.beta / h_) * d_;
-        system_->add_hessian_product(*q_0_, product_, g);
+        system_->add_elastic_hessian_product(*q_0_, product_, g);
       }
       d_ *= static_cast<T>(1 / (h_ * h_) + damping.alpha / h_);
       d_ -= static_cast<T>(1 / h_) * *v_0_;
@@ -84,7 +84,7 @@ class IncrementalPotential {
     const auto& damping = system_->damping;
     TangentWeights weights{
         .mass = 1 / (h_ * h_) + damping.alpha / h_, .stiffness = 1, .lagged = damping.beta / h_};
-    if (&q == q_0_ || q.displacement == q_0_->displacement) {
+    if (!S::viscous && (&q == q_0_ || q.displacement == q_0_->displacement)) {
       weights.stiffness += weights.lagged;
       weights.lagged = 0;
     }

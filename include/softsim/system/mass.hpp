@@ -11,13 +11,15 @@
 
 #include "softsim/core/error.hpp"
 #include "softsim/core/state.hpp"
-#include "softsim/mesh/tetrahedral_mesh.hpp"
+#include "softsim/mesh/element_mesh.hpp"
 
 namespace softsim {
 
-/// Mass matrix of points: a scalar m_ij times the 3x3 identity between points i and j. Lumped (diagonal: a
-/// quarter of each tetrahedron on each corner) or consistent (rho V/10 on the diagonal, rho V/20 beside it,
-/// the exact integral of linear shape functions).
+/// Mass matrix of points: a scalar m_ij times the 3x3 identity between points i and j. Lumped (diagonal: the
+/// row sums of the consistent mass, a quarter of each tetrahedron on each corner; for ten-node tetrahedra,
+/// whose corners would get negative masses that way, the consistent diagonal scaled to the mass of the
+/// element, HRZ) or consistent (int rho N_i N_j dV; for linear tetrahedra rho V/10 on the diagonal, rho V/20
+/// beside it).
 template <class T>
 class Mass {
  public:
@@ -27,22 +29,28 @@ class Mass {
         row_start_(points + 1, 0) {}
 
   /// Lumped mass.
-  /// @param density kg/m^3, one per tetrahedron
-  /// @throws std::invalid_argument unless there is one positive, finite density per tetrahedron
-  [[nodiscard]] static Mass lumped(const TetrahedralMesh& mesh, const std::vector<double>& density) {
+  /// @param density kg/m^3, one per element
+  /// @throws std::invalid_argument unless there is one positive, finite density per element
+  template <SolidMesh Mesh>
+  [[nodiscard]] static Mass lumped(const Mesh& mesh, const std::vector<double>& density) {
     check(mesh, density);
     Mass mass(mesh.points().size());
-    for (std::size_t t = 0; t < density.size(); ++t)
-      for (const std::int32_t i : mesh.tetrahedra()[t]) mass.add_diagonal(i, density[t] * mesh.volume(t) / 4);
+    for (std::size_t e = 0; e < density.size(); ++e) {
+      const auto volumes = mesh.lumped_volumes(e);
+      for (std::size_t i = 0; i < volumes.size(); ++i)
+        mass.add_diagonal(mesh.elements()[e][i], density[e] * volumes[i]);
+    }
     return mass;
   }
   /// Lumped mass of a body of one density in kg/m^3.
-  [[nodiscard]] static Mass lumped(const TetrahedralMesh& mesh, double density) {
-    return lumped(mesh, std::vector<double>(mesh.tetrahedra().size(), density));
+  template <SolidMesh Mesh>
+  [[nodiscard]] static Mass lumped(const Mesh& mesh, double density) {
+    return lumped(mesh, std::vector<double>(mesh.elements().size(), density));
   }
 
   /// Consistent mass. @throws as `lumped`
-  [[nodiscard]] static Mass consistent(const TetrahedralMesh& mesh, const std::vector<double>& density) {
+  template <SolidMesh Mesh>
+  [[nodiscard]] static Mass consistent(const Mesh& mesh, const std::vector<double>& density) {
     check(mesh, density);
     Mass mass(mesh.points().size());
     struct Entry {
@@ -50,15 +58,17 @@ class Mass {
       double value;
     };
     std::vector<Entry> entries;
-    entries.reserve(12 * density.size());
-    for (std::size_t t = 0; t < density.size(); ++t) {
-      const double m = density[t] * mesh.volume(t) / 20;
-      for (const std::int32_t i : mesh.tetrahedra()[t])
-        for (const std::int32_t j : mesh.tetrahedra()[t]) {
+    for (std::size_t e = 0; e < density.size(); ++e) {
+      const auto& nodes = mesh.elements()[e];
+      if (e == 0) entries.reserve(nodes.size() * (nodes.size() - 1) * density.size());
+      const auto products = mesh.shape_products(e);
+      for (std::size_t i = 0; i < nodes.size(); ++i)
+        for (std::size_t j = 0; j < nodes.size(); ++j) {
+          const double m = density[e] * products(static_cast<int>(i), static_cast<int>(j));
           if (i == j)
-            mass.add_diagonal(i, 2 * m);
+            mass.add_diagonal(nodes[i], m);
           else
-            entries.push_back({i, j, m});
+            entries.push_back({nodes[i], nodes[j], m});
         }
     }
     std::stable_sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
@@ -81,8 +91,9 @@ class Mass {
     return mass;
   }
   /// Consistent mass of a body of one density in kg/m^3.
-  [[nodiscard]] static Mass consistent(const TetrahedralMesh& mesh, double density) {
-    return consistent(mesh, std::vector<double>(mesh.tetrahedra().size(), density));
+  template <SolidMesh Mesh>
+  [[nodiscard]] static Mass consistent(const Mesh& mesh, double density) {
+    return consistent(mesh, std::vector<double>(mesh.elements().size(), density));
   }
 
   /// True if the matrix is diagonal.
@@ -123,10 +134,11 @@ class Mass {
   }
 
  private:
-  static void check(const TetrahedralMesh& mesh, const std::vector<double>& density) {
-    if (density.size() != mesh.tetrahedra().size())
+  template <SolidMesh Mesh>
+  static void check(const Mesh& mesh, const std::vector<double>& density) {
+    if (density.size() != mesh.elements().size())
       invalid(std::string("mass: ") + std::to_string(density.size()) + " densities for " +
-              std::to_string(mesh.tetrahedra().size()) + " tetrahedra");
+              std::to_string(mesh.elements().size()) + " " + Mesh::name.plural);
     for (const double rho : density)
       if (!(rho > 0) || !(rho <= 1e300))
         invalid(std::string("density ") + to_text(rho) + " kg/m^3: must be positive and finite");

@@ -6,11 +6,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "softsim/concepts.hpp"
-#include "softsim/mesh/tetrahedral_mesh.hpp"
+#include "softsim/mesh/element_mesh.hpp"
 #include "softsim/system/mass.hpp"
 #include "softsim/system/prescribed.hpp"
 
@@ -27,7 +28,21 @@ inline std::uint64_t next_system_number() {
   static std::atomic<std::uint64_t> last{0};
   return ++last;
 }
+
+template <class Term>
+concept remembers = requires(Term& term, const State<typename Term::Scalar>& q,
+                             const Vector<typename Term::Scalar>& v) {
+  term.begin_step(q, v, 0.0);
+};
+template <class Term>
+concept is_viscous = Term::viscous;
+template <class S>
+concept has_memory = S::has_memory;
 }  // namespace detail
+
+/// How integrators and solvers take a system: writable only if one of its terms remembers something.
+template <class S>
+using Stepped = std::conditional_t<detail::has_memory<S>, S&, const S&>;
 
 /// Force terms over one set of points, with mass, damping and prescribed components. Models `Potential`
 /// itself where all its terms do. The terms are public: a load may be changed between steps.
@@ -39,6 +54,10 @@ class System {
   static_assert((std::is_same_v<typename Terms::Scalar, Scalar> && ...), "all terms need the same scalar");
   /// True if every term derives from an energy.
   static constexpr bool conservative = (Terms::conservative && ...);
+  /// True if a term remembers something from step to step.
+  static constexpr bool has_memory = (detail::remembers<Terms> || ...);
+  /// True if a term's Hessian is, during an implicit step, that of a damping force.
+  static constexpr bool viscous = (detail::is_viscous<Terms> || ...);
 
   std::tuple<Terms...> terms;
   Prescribed<T> prescribed;
@@ -46,7 +65,8 @@ class System {
   Rayleigh damping;
 
   /// A system over the nodes of `mesh`.
-  explicit System(const TetrahedralMesh& mesh, Terms... terms_)
+  template <PointMesh Mesh>
+  explicit System(const Mesh& mesh, Terms... terms_)
       : terms(std::move(terms_)...),
         prescribed(mesh.points().size()),
         mass(mesh.points().size()),
@@ -74,6 +94,45 @@ class System {
   void add_hessian_product(const State<T>& q, const Vector<T>& d, Vector<T>& y) const {
     std::apply([&](const auto&... term) { (term.add_hessian_product(q, d, y), ...); }, terms);
   }
+  /// y += K d without the terms that are damping forces themselves.
+  void add_elastic_hessian_product(const State<T>& q, const Vector<T>& d, Vector<T>& y) const {
+    for_each_term([&](const auto& term) {
+      if constexpr (!detail::is_viscous<std::decay_t<decltype(term)>>) term.add_hessian_product(q, d, y);
+    });
+  }
+  /// y += D v of the terms that offer `add_damping_product`: minus their damping forces, for integrators that
+  /// take them at (q, v). In an implicit step such a term has them in its energy.
+  void add_damping_product(const State<T>& q, const Vector<T>& v, Vector<T>& y) const {
+    for_each_term([&](const auto& term) {
+      if constexpr (requires { term.add_damping_product(q, v, y); }) term.add_damping_product(q, v, y);
+    });
+  }
+
+  /// Tells the terms that remember that a step starts at (q, v), and how long after q, dt >= 0 in s, forces
+  /// will be asked for: 0 by explicit integrators. A step that failed may simply be begun again.
+  void begin_step(const State<T>& q, const Vector<T>& v, double dt) {
+    for_each_term_writable([&](auto& term) {
+      if constexpr (requires { term.begin_step(q, v, dt); }) term.begin_step(q, v, dt);
+    });
+  }
+  /// Tells them that the step of dt in s has ended at (q, v).
+  void end_step(const State<T>& q, const Vector<T>& v, double dt) {
+    for_each_term_writable([&](auto& term) {
+      if constexpr (requires { term.end_step(q, v, dt); }) term.end_step(q, v, dt);
+    });
+  }
+  /// Tells them that a static problem is to be solved, and that it has been, by q.
+  void begin_static() {
+    for_each_term_writable([&](auto& term) {
+      if constexpr (requires { term.begin_static(); }) term.begin_static();
+    });
+  }
+  void end_static(const State<T>& q) {
+    for_each_term_writable([&](auto& term) {
+      if constexpr (requires { term.end_static(q); }) term.end_static(q);
+    });
+  }
+
   /// y -= the loads from outside alone, N.
   void add_external_gradient(const State<T>& q, Vector<T>& y) const {
     for_each_term([&](const auto& term) {
@@ -95,6 +154,11 @@ class System {
   }
 
  private:
+  template <class Function>
+  void for_each_term_writable(Function f) {
+    std::apply([&](auto&... term) { (f(term), ...); }, terms);
+  }
+
   std::vector<Vec3<double>> rest_;
   std::uint64_t number_ = detail::next_system_number();
 };

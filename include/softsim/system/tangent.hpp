@@ -5,15 +5,18 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <tuple>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "softsim/core/state.hpp"
 #include "softsim/system/block_matrix.hpp"
+#include "softsim/system/system.hpp"
 
 namespace softsim {
 
-/// Weights of the operator A = mass M + stiffness K(q) + lagged K(q_0).
+/// Weights of the operator A = mass M + stiffness K(q) + lagged K(q_0), the last without damping forces.
 struct TangentWeights {
   double mass = 0;
   double stiffness = 1;
@@ -43,13 +46,14 @@ std::size_t stencil_count(const S& system) {
   return count;
 }
 
-// Adds scale K(q) block by block.
-template <class S, class T>
+// Adds scale K(q) block by block, without the terms that are damping forces themselves if not asked for them.
+template <bool with_viscous = true, class S, class T>
 void add_stiffness(const S& system, const State<T>& q, double scale,
                    const std::vector<std::vector<std::int32_t>>& positions, T* values) {
   std::size_t k = 0;
   system.for_each_term([&](const auto& term) {
-    if constexpr (std::decay_t<decltype(term)>::has_hessian)
+    using Term = std::decay_t<decltype(term)>;
+    if constexpr (Term::has_hessian && (with_viscous || !is_viscous<Term>))
       term.add_blocks(q, static_cast<T>(scale), positions[k], values);
     ++k;
   });
@@ -73,7 +77,7 @@ class AssembledTangent {
     matrix_.set_zero();
     detail::add_stiffness(system, q, weights.stiffness, positions_, matrix_.values());
     if (weights.lagged != 0)
-      detail::add_stiffness(system, *q_0, weights.lagged, positions_, matrix_.values());
+      detail::add_stiffness<false>(system, *q_0, weights.lagged, positions_, matrix_.values());
     if (weights.mass != 0) {
       const T w = static_cast<T>(weights.mass);
       for (std::size_t i = 0; i < diagonal_.size(); ++i)
@@ -138,7 +142,34 @@ class AssembledTangent {
   std::vector<std::int32_t> diagonal_, mass_positions_;
 };
 
-/// The tangent as a product that stores nothing but the states: the choice for few products or little memory.
+namespace detail {
+
+// What a term keeps between products with the same tangent.
+struct KeepsNothing {};
+template <class Term>
+struct Kept {
+  using type = KeepsNothing;
+};
+template <class Term>
+requires requires(const Term& term, const State<typename Term::Scalar>& q, typename Term::Linearised& kept,
+                  Vector<typename Term::Scalar>& y) {
+  term.linearise(q, kept);
+  term.add_linearised_product(kept, y, y);
+}
+struct Kept<Term> {
+  using type = typename Term::Linearised;
+};
+template <class Terms>
+struct KeptByAll;
+template <class... Terms>
+struct KeptByAll<std::tuple<Terms...>> {
+  using type = std::tuple<typename Kept<Terms>::type...>;
+};
+
+}  // namespace detail
+
+/// The tangent as a product that stores nothing but the states and what terms keep between products (see
+/// `Linearisable`): the choice for few products or little memory.
 template <class S>
 class MatrixFreeTangent {
  public:
@@ -160,13 +191,22 @@ class MatrixFreeTangent {
     q_0_ = q_0;
     weights_ = weights;
     scratch_.setZero(system.size());
+    for_each_kept([&](const auto& term, auto& kept) { term.linearise(q, kept); });
   }
 
   /// y = A x, zero where a component is prescribed.
   void apply(const Vector<T>& x, Vector<T>& y) const {
     y.setZero();
-    add(*q_, weights_.stiffness, x, y);
-    if (weights_.lagged != 0) add(*q_0_, weights_.lagged, x, y);
+    if (weights_.stiffness == 1) {
+      add_product(x, y);
+    } else {
+      scratch_ = static_cast<T>(weights_.stiffness) * x;  // the Hessian is linear in its direction
+      add_product(scratch_, y);
+    }
+    if (weights_.lagged != 0) {
+      scratch_ = static_cast<T>(weights_.lagged) * x;
+      system_->add_elastic_hessian_product(*q_0_, scratch_, y);
+    }
     if (weights_.mass != 0) system_->mass.add_product(x, static_cast<T>(weights_.mass), y);
     system_->prescribed.mask(y);
   }
@@ -180,17 +220,37 @@ class MatrixFreeTangent {
           block(system_->mass.diagonal(), static_cast<std::ptrdiff_t>(i)).asDiagonal().toDenseMatrix();
     T* values = blocks.front().data();
     detail::add_stiffness(*system_, *q_, weights_.stiffness, positions_, values);
-    if (weights_.lagged != 0) detail::add_stiffness(*system_, *q_0_, weights_.lagged, positions_, values);
+    if (weights_.lagged != 0)
+      detail::add_stiffness<false>(*system_, *q_0_, weights_.lagged, positions_, values);
   }
 
  private:
-  void add(const State<T>& q, double weight, const Vector<T>& x, Vector<T>& y) const {
-    if (weight == 1) return system_->add_hessian_product(q, x, y);
-    scratch_ = static_cast<T>(weight) * x;  // the Hessian is linear in its direction
-    system_->add_hessian_product(q, scratch_, y);
+  using AllKept = typename detail::KeptByAll<decltype(S::terms)>::type;
+
+  void add_product(const Vector<T>& x, Vector<T>& y) const {
+    [&]<std::size_t... i>(std::index_sequence<i...>) {
+      (add_product_of(std::get<i>(system_->terms), std::get<i>(kept_), x, y), ...);
+    }(std::make_index_sequence<std::tuple_size_v<AllKept>>());
+  }
+  template <class Term, class Kept>
+  void add_product_of(const Term& term, const Kept& kept, const Vector<T>& x, Vector<T>& y) const {
+    if constexpr (std::is_same_v<Kept, detail::KeepsNothing>)
+      term.add_hessian_product(*q_, x, y);
+    else
+      term.add_linearised_product(kept, x, y);
+  }
+  template <class Function>
+  void for_each_kept(Function f) {
+    [&]<std::size_t... i>(std::index_sequence<i...>) {
+      const auto one = [&](const auto& term, auto& kept) {
+        if constexpr (!std::is_same_v<std::decay_t<decltype(kept)>, detail::KeepsNothing>) f(term, kept);
+      };
+      (one(std::get<i>(system_->terms), std::get<i>(kept_)), ...);
+    }(std::make_index_sequence<std::tuple_size_v<AllKept>>());
   }
 
   const S* system_ = nullptr;
+  AllKept kept_;
   const State<T>*q_ = nullptr, *q_0_ = nullptr;
   TangentWeights weights_;
   std::uint64_t number_ = 0;
