@@ -12,6 +12,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <typeindex>
 #include <utility>
 #include <vector>
@@ -25,7 +26,7 @@ namespace bench {
 
 using namespace softsim;
 
-inline constexpr double young = 1e4, poisson = 0.4;  // Pa, 1
+inline constexpr double young = 1e4, poisson = 0.4, c2_over_c1 = 0.5;  // Pa, 1, 1 (Mooney-Rivlin)
 
 /// Cells along each side of the cubes: 6 n^3 tetrahedra.
 inline constexpr std::array<int, 3> cube_cells{9, 15, 32};
@@ -39,6 +40,8 @@ template <>
 inline constexpr const char* law_name<NeoHookean> = "neo_hookean";
 template <>
 inline constexpr const char* law_name<StableNeoHookean> = "stable_neo_hookean";
+template <>
+inline constexpr const char* law_name<MooneyRivlin> = "mooney_rivlin";
 template <>
 inline constexpr const char* law_name<LinearElastic> = "linear";
 
@@ -54,7 +57,12 @@ template <class L, class S>
 struct Kind {
   using Law = L;
   using T = S;
-  static Law law() { return Law::from_young_poisson(young, poisson); }
+  static Law law() {
+    if constexpr (std::is_same_v<Law, MooneyRivlin>)
+      return Law::from_young_poisson(young, poisson, c2_over_c1);
+    else
+      return Law::from_young_poisson(young, poisson);
+  }
 };
 
 /// Calls f(Kind<Law, T>(), n) for all laws, scalars and sizes.
@@ -71,15 +79,21 @@ void for_each_kind_and_size(Function f) {
   scalars(law(Kind<StVenantKirchhoff, double>()));
   scalars(law(Kind<NeoHookean, double>()));
   scalars(law(Kind<StableNeoHookean, double>()));
+  scalars(law(Kind<MooneyRivlin, double>()));
   scalars(law(Kind<LinearElastic, double>()));
 }
 
 /// Registers f(state) as what/law/route/scalar/size. Nothing is made before it runs.
+template <class T, class Function>
+void add_named(const std::string& what, const std::string& law, const std::string& route, int n, Function f) {
+  const std::string name =
+      what + "/" + law + "/" + route + "/" + scalar_name<T> + "/" + std::to_string(tetrahedra(n));
+  benchmark::RegisterBenchmark(name.c_str(), f);
+}
+/// The same for the law of a `Kind`.
 template <class K, class Function>
 void add(const std::string& what, K, const std::string& route, int n, Function f) {
-  const std::string name = what + "/" + law_name<typename K::Law> + "/" + route + "/" +
-                           scalar_name<typename K::T> + "/" + std::to_string(tetrahedra(n));
-  benchmark::RegisterBenchmark(name.c_str(), f);
+  add_named<typename K::T>(what, law_name<typename K::Law>, route, n, f);
 }
 
 /// CPU time of this thread, s: the wall clock of a shared machine counts others' work.

@@ -26,16 +26,26 @@ struct ReferenceCase {
   }
 };
 
-// The library's elements, N at a time.
+// The two routes of the library to one law.
 template <class K, int N>
+struct ByGradient {
+  static auto make(int n) { return elastic<typename K::T, N>(cube(n), K::law()); }
+};
+template <class K, int N>
+struct ByEdges {
+  static auto make(int n) { return heml<typename K::T, N>(cube(n), K::law()); }
+};
+
+// The library's elements, N at a time.
+template <class K, class Route>
 struct ElementsCase {
   using T = typename K::T;
-  ElasticTetrahedra<typename K::Law, T, N> elements;
+  decltype(Route::make(1)) elements;
   State<T> q;
   Vector<T> y;
   double force_error = 0, energy_error = 0;
 
-  explicit ElementsCase(int n) : elements(elastic<T, N>(cube(n), K::law())) {
+  explicit ElementsCase(int n) : elements(Route::make(n)) {
     q.displacement = field<T>(cube(n), deformation);
     y.resize(q.size());
     const ReferenceState<typename K::Law> reference(n);
@@ -50,11 +60,19 @@ struct ElementsCase {
   }
 };
 
-template <class K, int N>
+template <class K, class Route>
 void add_force(const std::string& route, int n) {
   add("force", K(), route, n, [n](benchmark::State& state) {
-    auto& c = cached<ElementsCase<K, N>>(n);
+    auto& c = cached<ElementsCase<K, Route>>(n);
     measure(state, tetrahedra(n), c.force_error, rounding<typename K::T>, [&] { c.force(); });
+  });
+}
+template <class K, class Route>
+void add_energy(const std::string& route, int n) {
+  add("energy", K(), route, n, [n](benchmark::State& state) {
+    auto& c = cached<ElementsCase<K, Route>>(n);
+    measure(state, tetrahedra(n), c.energy_error, rounding<typename K::T>,
+            [&] { benchmark::DoNotOptimize(c.elements.energy(c.q)); });
   });
 }
 
@@ -64,13 +82,14 @@ void add_force(const std::string& route, int n) {
       auto& c = cached<ReferenceCase<K>>(n);
       measure(state, tetrahedra(n), c.error, rounding<typename K::T>, [&] { c.body.force(c.x, c.y); });
     });
-    add_force<K, default_lanes<typename K::T>>("f", n);
-    add_force<K, 1>("scalar", n);
-    add("energy", kind, "f", n, [n](benchmark::State& state) {
-      auto& c = cached<ElementsCase<K, default_lanes<typename K::T>>>(n);
-      measure(state, tetrahedra(n), c.energy_error, rounding<typename K::T>,
-              [&] { benchmark::DoNotOptimize(c.elements.energy(c.q)); });
-    });
+    constexpr int lanes = default_lanes<typename K::T>;
+    add_force<K, ByGradient<K, lanes>>("f", n);
+    add_force<K, ByGradient<K, 1>>("scalar", n);
+    add_energy<K, ByGradient<K, lanes>>("f", n);
+    if constexpr (InvariantLaw<typename K::Law>) {
+      add_force<K, ByEdges<K, lanes>>("heml", n);
+      add_energy<K, ByEdges<K, lanes>>("heml", n);
+    }
   });
   return true;
 }();

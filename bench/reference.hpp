@@ -84,6 +84,47 @@ struct ReferenceLaw<StableNeoHookean> {
 };
 
 template <>
+struct ReferenceLaw<MooneyRivlin> {
+  template <class T>
+  static T energy(const Mat3<T>& F, T lambda, T mu) {
+    const auto [c1, c2, bulk] = parameters(lambda, mu);
+    const Mat3<T> C = F.transpose() * F;
+    const T J = F.determinant(), i1 = C.trace(), i2 = (i1 * i1 - C.squaredNorm()) / 2;
+    return c1 * (i1 * std::pow(J, T(-2) / 3) - 3) + c2 * (i2 * std::pow(J, T(-4) / 3) - 3) +
+           bulk / 2 * (J - 1) * (J - 1);
+  }
+  template <class T>
+  static Mat3<T> stress(const Mat3<T>& F, T lambda, T mu) {
+    const auto [c1, c2, bulk] = parameters(lambda, mu);
+    const Mat3<T> C = F.transpose() * F, R = F.inverse().transpose();
+    const T J = F.determinant(), i1 = C.trace(), i2 = (i1 * i1 - C.squaredNorm()) / 2;
+    return 2 * c1 * std::pow(J, T(-2) / 3) * (F - i1 / 3 * R) +
+           2 * c2 * std::pow(J, T(-4) / 3) * (i1 * F - F * C - 2 * i2 / 3 * R) + bulk * (J - 1) * J * R;
+  }
+  template <class T>
+  static Mat3<T> differential(const Mat3<T>& F, const Mat3<T>& dF, T lambda, T mu) {
+    const auto [c1, c2, bulk] = parameters(lambda, mu);
+    const Mat3<T> C = F.transpose() * F, dC = F.transpose() * dF + dF.transpose() * F;
+    const Mat3<T> inverse = F.inverse(), R = inverse.transpose(), dR = -R * dF.transpose() * R;
+    const T J = F.determinant(), t = (inverse * dF).trace();  // dJ = J t
+    const T i1 = C.trace(), i2 = (i1 * i1 - C.squaredNorm()) / 2;
+    const T d1 = dC.trace(), d2 = i1 * d1 - (C * dC).trace();
+    const T p = 2 * c1 * std::pow(J, T(-2) / 3), q = 2 * c2 * std::pow(J, T(-4) / 3);
+    return p * (-2 * t / 3 * (F - i1 / 3 * R) + dF - d1 / 3 * R - i1 / 3 * dR) +
+           q * (-4 * t / 3 * (i1 * F - F * C - 2 * i2 / 3 * R) + d1 * F + i1 * dF - dF * C - F * dC -
+                2 * d2 / 3 * R - 2 * i2 / 3 * dR) +
+           bulk * ((2 * J - 1) * J * t * R + (J - 1) * J * dR);
+  }
+
+ private:
+  template <class T>
+  static std::array<T, 3> parameters(T lambda, T mu) {
+    const T c1 = mu / (2 * (1 + T(c2_over_c1)));
+    return {c1, T(c2_over_c1) * c1, lambda + 2 * mu / 3};
+  }
+};
+
+template <>
 struct ReferenceLaw<LinearElastic> {
   template <class T>
   static T energy(const Mat3<T>& F, T lambda, T mu) {

@@ -15,43 +15,53 @@ constexpr double dt = 0.05;       // s; makes A = M/dt^2 + K positive definite, 
 constexpr int timed_iterations = 30;    // the product before the first iteration then is 2 % of the time
 constexpr int compared_iterations = 8;  // few, since rounding errors grow along a sequence of iterations
 
+// The routes of the library to one law.
 template <class K>
-using Body = System<ElasticTetrahedra<typename K::Law, typename K::T>>;
+struct ByGradient {
+  static auto make(int n) { return elastic<typename K::T>(cube(n), K::law()); }
+};
+template <class K>
+struct ByEdges {
+  static auto make(int n) { return heml<typename K::T>(cube(n), K::law()); }
+};
 
-template <class K>
+template <class Route>
+using Body = System<decltype(Route::make(1))>;
+
+template <class K, class Route>
 struct TangentCase {
   using T = typename K::T;
-  Body<K> system;
+  Body<Route> system;
   State<T> q;
   Vector<T> d, y;
 
-  explicit TangentCase(int n) : system(cube(n), elastic<T>(cube(n), K::law())) {
+  explicit TangentCase(int n) : system(cube(n), Route::make(n)) {
     q.displacement = field<T>(cube(n), deformation);
     d = field<T>(cube(n), ReferenceState<typename K::Law>::direction);
     y = d;
   }
 };
 
-template <class K>
-struct ProductCase : TangentCase<K> {
+// One product with a matrix-free tangent: what terms keep between products is made beforehand.
+template <class K, class Route>
+struct ProductCase : TangentCase<K, Route> {
+  MatrixFreeTangent<Body<Route>> tangent;
   double error = 0;
 
-  explicit ProductCase(int n) : TangentCase<K>(n) {
+  explicit ProductCase(int n) : TangentCase<K, Route>(n) {
+    tangent.set(this->system, this->q, TangentWeights{});
     product();
     error = relative_error(packed(this->y), ReferenceState<typename K::Law>(n).product());
   }
-  void product() {
-    this->y.setZero();
-    this->system.add_hessian_product(this->q, this->d, this->y);
-  }
+  void product() { tangent.apply(this->d, this->y); }
 };
 
-template <class K>
-struct AssembledCase : TangentCase<K> {
-  AssembledTangent<Body<K>> tangent;
+template <class K, class Route>
+struct AssembledCase : TangentCase<K, Route> {
+  AssembledTangent<Body<Route>> tangent;
   double error = 0;
 
-  explicit AssembledCase(int n) : TangentCase<K>(n) {
+  explicit AssembledCase(int n) : TangentCase<K, Route>(n) {
     assemble();
     assemble();  // on the pattern of the first time
     apply();
@@ -98,15 +108,15 @@ Vector<double> reference_iterations(const ReferenceState<Law>& state, const Vect
   return x;
 }
 
-template <class K, class Operator>
-struct IterationCase : TangentCase<K> {
+template <class K, class Route, class Operator>
+struct IterationCase : TangentCase<K, Route> {
   using T = typename K::T;
-  typename Operator::template Tangent<Body<K>> tangent;
+  typename Operator::template Tangent<Body<Route>> tangent;
   BlockJacobi<T> preconditioner;
   ConjugateGradientWorkspace<T> workspace;
   double error = 0;
 
-  explicit IterationCase(int n) : TangentCase<K>(n) {
+  explicit IterationCase(int n) : TangentCase<K, Route>(n) {
     this->system.mass = Mass<T>::lumped(cube(n), density);
     tangent.set(this->system, this->q, TangentWeights{.mass = 1 / (dt * dt)});
     preconditioner.compute(tangent, this->system.prescribed.free());
@@ -125,33 +135,49 @@ struct IterationCase : TangentCase<K> {
   }
 };
 
-template <class K, class Operator>
+template <class K, class Route, class Operator>
 void add_iteration(const std::string& route, int n) {
   constexpr double tolerance = rounding<typename K::T>;
   add("cg_iteration", K(), route, n, [n](benchmark::State& state) {
-    auto& c = cached<IterationCase<K, Operator>>(n);
+    auto& c = cached<IterationCase<K, Route, Operator>>(n);
     measure(state, double(tetrahedra(n)) * timed_iterations, c.error, tolerance,
             [&] { benchmark::DoNotOptimize(c.iterate(timed_iterations)); });
   });
 }
 
+template <class K, class Route>
+void add_product(const std::string& route, int n) {
+  add("hessian_product", K(), route, n, [n](benchmark::State& state) {
+    auto& c = cached<ProductCase<K, Route>>(n);
+    measure(state, tetrahedra(n), c.error, rounding<typename K::T>, [&] { c.product(); });
+  });
+}
+template <class K, class Route>
+void add_assembly(const std::string& route, int n) {
+  add("assemble", K(), route, n, [n](benchmark::State& state) {
+    auto& c = cached<AssembledCase<K, Route>>(n);
+    measure(state, tetrahedra(n), c.error, rounding<typename K::T>, [&] { c.assemble(); });
+  });
+}
+
 [[maybe_unused]] const bool registered = [] {
   for_each_kind_and_size([]<class K>(K kind, int n) {
-    constexpr double tolerance = rounding<typename K::T>;
-    add("hessian_product", kind, "f", n, [n](benchmark::State& state) {
-      auto& c = cached<ProductCase<K>>(n);
-      measure(state, tetrahedra(n), c.error, tolerance, [&] { c.product(); });
-    });
-    add("assemble", kind, "f", n, [n](benchmark::State& state) {
-      auto& c = cached<AssembledCase<K>>(n);
-      measure(state, tetrahedra(n), c.error, tolerance, [&] { c.assemble(); });
-    });
+    using F = ByGradient<K>;
+    add_product<K, F>("f", n);
+    add_assembly<K, F>("f", n);
+    if constexpr (InvariantLaw<typename K::Law>) {
+      add_product<K, ByEdges<K>>("heml", n);
+      add_assembly<K, ByEdges<K>>("heml", n);
+    }
     add("apply", kind, "assembled", n, [n](benchmark::State& state) {
-      auto& c = cached<AssembledCase<K>>(n);
-      measure(state, tetrahedra(n), c.error, tolerance, [&] { c.apply(); });
+      auto& c = cached<AssembledCase<K, F>>(n);
+      measure(state, tetrahedra(n), c.error, rounding<typename K::T>, [&] { c.apply(); });
     });
-    add_iteration<K, Assembled>("assembled", n);
-    add_iteration<K, MatrixFree>("matrix_free", n);
+    if constexpr (std::is_same_v<typename K::Law, NeoHookean>) {
+      add_iteration<K, F, Assembled>("assembled", n);
+      add_iteration<K, F, MatrixFree>("matrix_free", n);
+      add_iteration<K, ByEdges<K>, MatrixFree>("matrix_free_heml", n);
+    }
   });
   return true;
 }();

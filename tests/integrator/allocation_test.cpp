@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdlib>
 #include <memory>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "potential/bodies.hpp"
@@ -14,6 +16,8 @@
 #include "softsim/mesh/selection.hpp"
 #include "softsim/potential/dead_load.hpp"
 #include "softsim/potential/elastic.hpp"
+#include "softsim/potential/kelvin_voigt.hpp"
+#include "softsim/potential/prony.hpp"
 #include "softsim/system/system.hpp"
 
 // Every allocation of the program goes through the functions below, operator new and Eigen's included; they
@@ -101,15 +105,28 @@ class Allocations : public ::testing::Test {
   // Allocations of ten steps after the first; one prescribed node keeps moving.
   template <class Integrator>
   void expect_none(Integrator integrator) {
+    expect_none_of(system, integrator);
+  }
+  template <class S, class Integrator>
+  void expect_none_of(S& moving, Integrator integrator) {
     Motion<double> motion(mesh.points().size());
-    ASSERT_EQ(integrator.step(system, motion).status, Status::converged);
+    ASSERT_EQ(integrator.step(moving, motion).status, Status::converged);
     const long counted = allocations_of([&] {
       for (int k = 1; k <= 10; ++k) {
-        system.prescribed.set(3, 2, -1e-5 * k);
-        if (integrator.step(system, motion).status != Status::converged) std::abort();
+        moving.prescribed.set(3, 2, -1e-5 * k);
+        if (integrator.step(moving, motion).status != Status::converged) std::abort();
       }
     });
     EXPECT_EQ(counted, 0);
+  }
+  // Explicit and implicit steps of a system of these terms and the load.
+  template <class... Terms>
+  void expect_none_with(Terms... terms) {
+    softsim::System own(mesh, std::move(terms)..., softsim::gravity(mesh, 1000, {0, 0, -9.81}));
+    own.prescribed = system.prescribed;
+    own.mass = system.mass;
+    expect_none_of(own, softsim::SemiExplicitEuler<decltype(own)>({.dt = 1e-4}));
+    expect_none_of(own, BackwardEuler<decltype(own)>({.dt = 0.01, .newton = true}));
   }
   template <class Operator, template <class> class Preconditioner>
   void expect_none_of_backward_euler() {
@@ -171,6 +188,17 @@ TEST_F(Allocations, NoneInStepsWithMatrixFreeAlone) {
 TEST_F(Allocations, NoneInStepsWithAConsistentMass) {
   system.mass = softsim::Mass<double>::consistent(mesh, 1000);
   expect_none_of_backward_euler<softsim::Assembled, softsim::BlockJacobi>();
+}
+
+TEST_F(Allocations, NoneInStepsWithAPronySeries) {
+  const softsim::PronySeries series({{0.3, 0.02}, {0.2, 0.3}});
+  const auto law = softsim::NeoHookean::from_young_poisson(1e4, 0.3);
+  expect_none_with(softsim::prony_nodes(softsim::elastic(mesh, law), mesh.points().size(), series));
+  expect_none_with(softsim::prony_elements(mesh, law, series));
+}
+
+TEST_F(Allocations, NoneInStepsWithKelvinVoigtDamping) {
+  expect_none_with(std::get<0>(system.terms), softsim::kelvin_voigt(mesh, {10, 10}));
 }
 
 }  // namespace

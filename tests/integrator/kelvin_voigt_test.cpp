@@ -188,6 +188,20 @@ TEST(KelvinVoigt, DampsAFreeBodyInBothIntegrators) {
     }
 }
 
+TEST(KelvinVoigt, StrainAtTheStartMovesWithTheElementsThatStay) {
+  const State<double> q_0 = bodies::random_state(points, 0.05, 12),
+                      q = bodies::random_state(points, 0.05, 13);
+  const Vector<double> v = bodies::random_vector(points, 1, 14);
+  Damping before = damping, after = damping;
+  for (Damping* term : {&before, &after}) {
+    if (term == &before) term->remove(1);
+    term->begin_step(q_0, v, 0.1);
+    if (term == &after) term->remove(1);
+  }
+  EXPECT_EQ(before.size() + 1, damping.size());
+  EXPECT_EQ(bodies::gradient(after, q), bodies::gradient(before, q));
+}
+
 TEST(KelvinVoigt, RefusesViscositiesThatFeedTheMotion) {
   EXPECT_EQ(bodies::refusal([] {
               return softsim::kelvin_voigt(mesh, {1, -1});

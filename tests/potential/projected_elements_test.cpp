@@ -3,11 +3,16 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
+#include <numeric>
+#include <vector>
 
 #include "potential/bodies.hpp"
+#include "softsim/material/neo_hookean.hpp"
 #include "softsim/material/projected.hpp"
 #include "softsim/material/stable_neo_hookean.hpp"
 #include "softsim/potential/elastic.hpp"
@@ -62,6 +67,58 @@ TEST(ProjectedElements, TheWholeBodysHessianIsPositiveSemidefiniteAndForcesStay)
   const Dense H = hessian(filtered, q);
   EXPECT_LT(least_eigenvalue(hessian(plain, q)), -1e-2 * H.norm() / std::sqrt(static_cast<double>(H.rows())));
   EXPECT_GE(least_eigenvalue(H), -1e-13 * H.norm());
+}
+
+// The blocks take another way where nothing needs the filter: a chunk of one, stretched, compressed and near
+// rest, must be what the products say.
+TEST(ProjectedElements, BlocksAreThoseOfTheProducts) {
+  const TetrahedralMesh tetrahedron = bodies::first_tetrahedra(bodies::distorted_cube(1, 64), 1);
+  const std::size_t nodes = tetrahedron.points().size();
+  const auto set = softsim::elastic<double, 1>(tetrahedron, softsim::projected(law));
+  std::vector<std::int32_t> positions(16);
+  std::iota(positions.begin(), positions.end(), 0);
+  for (const double dilation : {0.2, 1e-7, 0.0, -1e-7, -0.2}) {
+    State<double> q = bodies::random_state(nodes, 0.1 * std::abs(dilation), 65);
+    for (std::size_t i = 0; i < nodes; ++i)
+      softsim::block(q.displacement, static_cast<std::ptrdiff_t>(i)) += dilation * tetrahedron.points()[i];
+    std::vector<double> values(16 * 9, 0.0);
+    set.add_blocks(q, 1, positions, values.data());
+    const Dense H = hessian(set, q);
+    Dense blocks = Dense::Zero(H.rows(), H.cols());
+    const auto& v = tetrahedron.tetrahedra()[0];
+    for (std::size_t i = 0; i < 4; ++i)
+      for (std::size_t j = 0; j < 4; ++j)
+        blocks.block<3, 3>(4 * v[i], 4 * v[j]) =
+            Eigen::Map<const softsim::Mat3<double>>(values.data() + 9 * (4 * i + j));
+    EXPECT_LE((blocks - H).norm(), 1e-13 * H.norm()) << dilation;
+  }
+}
+
+// The short way may miss a definite tangent but never take an indefinite one for definite.
+template <class Law>
+void check_surely_positive(const Law& any) {
+  int sure = 0, negative = 0;
+  std::srand(66);
+  for (int n = 0; n < 3000; ++n) {
+    const double size = std::pow(10.0, n % 10 - 8);
+    softsim::Mat3<double> F = softsim::Mat3<double>::Identity() + size * softsim::Mat3<double>::Random();
+    F *= 1 + 0.3 * size;
+    if (F.determinant() <= 0) continue;
+    const auto tangent = softsim::principal_tangent(any, F);
+    const double least =
+        std::min({tangent.flip.minCoeff(), tangent.twist.minCoeff(), least_eigenvalue(tangent.stretch)});
+    if (softsim::surely_positive(any, F)) {
+      ++sure;
+      EXPECT_GE(least, 0) << n;
+    }
+    if (least < 0) ++negative;
+  }
+  EXPECT_GE(sure, 300);
+  EXPECT_GE(negative, 300);
+}
+TEST(ProjectedElements, TheCheapTestNeverOverlooksANegativeEigenvalue) {
+  check_surely_positive(law);
+  check_surely_positive(softsim::NeoHookean::from_young_poisson(10, 0.45));
 }
 
 }  // namespace

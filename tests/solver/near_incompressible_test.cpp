@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The softsim authors
 // SPDX-License-Identifier: MIT
-#include "../../bench/near_incompressible.hpp"
+#include "../../bench/studies/near_incompressible.hpp"
 
 #include <gtest/gtest.h>
 
 #include "softsim/material/mooney_rivlin.hpp"
 
-// Short form of the study bench/near_incompressible.cpp. References and their errors (below 0.03 %) stand
+// Short form of the study bench/studies/near_incompressible.cpp. References and their errors (below 0.03 %) stand
 // there.
 
 namespace {

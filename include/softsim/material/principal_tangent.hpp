@@ -2,10 +2,15 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
+#include <type_traits>
+#include <utility>
 
 #include "softsim/concepts.hpp"
 #include "softsim/core/batch.hpp"
+#include "softsim/core/polar.hpp"
 #include "softsim/core/signed_svd.hpp"
 #include "softsim/core/symmetric_eigen.hpp"
 #include "softsim/core/tensor.hpp"
@@ -49,7 +54,10 @@ struct PrincipalTangent {
   /// K with dP(F; v b^T) a = K v for every v: with gradients of shape functions for a and b, K is their block
   /// of an element's Hessian (per volume).
   [[nodiscard, gnu::flatten]] Mat3<T> block(const Vec3<T>& a, const Vec3<T>& b) const {
-    const Vec3<T> p = V.transpose() * a, q = V.transpose() * b;
+    return block_of_turned(V.transpose() * a, V.transpose() * b);
+  }
+  /// The same from p = V^T a and q = V^T b, for those who need several blocks.
+  [[nodiscard, gnu::flatten]] Mat3<T> block_of_turned(const Vec3<T>& p, const Vec3<T>& q) const {
     Mat3<T> K;
     for (int k = 0; k < 3; ++k) {
       const int i = (k + 1) % 3, j = (k + 2) % 3;
@@ -63,21 +71,32 @@ struct PrincipalTangent {
     return UK * U.transpose();
   }
 
-  /// The tangent with its negative eigenvalues replaced; what has none stays as it is to the last bit.
+  /// The tangent with its negative eigenvalues replaced; what has none stays as it is to the last bit. The
+  /// one branch skips the eigenvalues of `stretch` where no lane needs them: a lane's result does not depend
+  /// on its neighbours.
   [[nodiscard]] PrincipalTangent filtered(SpdFilter filter) const {
+    using std::min;
     if (filter == SpdFilter::none) return *this;
     PrincipalTangent result = *this;
     // What has to be added to an eigenvalue. NaN stays NaN: the comparison fails and the sum keeps it.
     const T factor = filter == SpdFilter::clamp ? T(-1) : T(-2);
     const auto correction = [&factor](const T& x) { return select(x < T(0), T(factor * x), T(0)); };
-    const SymmetricEigen<T> eigen = symmetric_eigen(stretch);
     for (int k = 0; k < 3; ++k) {
       result.flip[k] += correction(flip[k]);
       result.twist[k] += correction(twist[k]);
+    }
+    // Positive definite if all leading minors are positive (Sylvester); `min` keeps a NaN of its first.
+    const T minor = stretch(0, 0) * stretch(1, 1) - stretch(0, 1) * stretch(0, 1);
+    const auto positive = min(T(min(determinant(stretch), minor)), stretch(0, 0)) > T(0);
+    if (detail::everywhere(positive)) return result;
+    const SymmetricEigen<T> eigen = symmetric_eigen(stretch);
+    Mat3<T> sum = Mat3<T>::Zero();
+    for (int k = 0; k < 3; ++k) {
       const T c = correction(eigen.values[k]);
       const Vec3<T> v = eigen.V.col(k), cv = c * v;
-      result.stretch += cv * v.transpose();
+      sum += cv * v.transpose();
     }
+    for (int i = 0; i < 9; ++i) result.stretch(i) += select(positive, T(0), sum(i));
     return result;
   }
 };
@@ -139,6 +158,37 @@ requires InvariantLaw<Law>
       if (i != j) K.stretch(j, i) += sum;
     }
   return K;
+}
+
+/// Where the tangent of a law w = c I1 + f(J) is sure to have no negative eigenvalue, without the singular
+/// values s: all eigenvalues of two symmetric tensors have to stand above rounding errors.
+///  - flip and twist are 2 w1 -+ wJ s_k, positive if 4 w1^2 I - wJ^2 C is; all its leading minors have to be
+///    (Sylvester).
+///  - `stretch` = 2 w1 I + wJ [s_k off the diagonal] + wJJ d d^T, d = J / s, is positive if the coefficients
+///    of its characteristic polynomial alternate; they are functions of the invariants.
+template <class Law, class T>
+requires(InvariantLaw<Law> && !Law::depends_on_i2 && Law::linear_in_i1)
+    [[nodiscard]] auto surely_positive(const Law& law, const Mat3<T>& F) {
+  using std::min;
+  using Real = decltype(lane(std::declval<T>(), 0));
+  constexpr bool single = std::is_same_v<Real, float>;
+  const Mat3<T> C = F.transpose() * F, c = cofactor(F);
+  const T i1 = trace(C), i2 = double_dot(c, c), j = F.col(0).dot(c.col(0));
+  const Invariants<T> i{i1, T(0), j};
+  const First<T> w = law.first(i);
+  const T a = T(2) * w.w1, b2 = w.wj * w.wj;
+
+  const T above = T(1 - 32 * std::numeric_limits<Real>::epsilon()) * a * a;
+  const Mat3<T> M = above * Mat3<T>::Identity() - b2 * C;
+  const T minor = M(0, 0) * M(1, 1) - M(0, 1) * M(0, 1);
+  const T flip_and_twist = min(T(min(determinant(M), minor)), M(0, 0));
+
+  // The polynomial is further from its roots' digits: a root has to stand above the fourth root of epsilon.
+  const T s = T(single ? 0.98 : 0.9999) * a, s2 = s * s, bj = w.wj * j, wjj = law.second(i).wjj;
+  const T det = s * (s2 - b2 * i1) + T(2) * b2 * bj + wjj * (s2 * i2 + T(3) * bj * bj - T(2) * s * bj * i1);
+  const T second = T(3) * s2 - b2 * i1 + T(2) * wjj * (s * i2 - bj * i1);
+  const T stretch = min(T(min(det, second)), T(T(3) * s + wjj * i2));
+  return detail::both(flip_and_twist > T(0), stretch > T(0));
 }
 
 }  // namespace softsim

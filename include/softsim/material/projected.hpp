@@ -44,6 +44,15 @@ class Projected {
     using T = typename Derived::Scalar;
     return principal_tangent(law_, Mat3<T>(F)).filtered(filter_);
   }
+  /// True if in no lane the filter has anything to do at F, by a cheap test that may miss such states.
+  template <class T>
+  [[nodiscard]] bool surely_unfiltered(const Mat3<T>& F) const {
+    if (filter_ == SpdFilter::none) return true;
+    if constexpr (requires { surely_positive(law_, F); })
+      return detail::everywhere(surely_positive(law_, F));
+    else
+      return false;
+  }
   /// `linearise(F)` applied to dF, Pa.
   template <class Derived, class Other>
   [[nodiscard]] auto first_piola_differential(const Eigen::MatrixBase<Derived>& F,

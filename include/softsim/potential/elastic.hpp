@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -13,6 +14,7 @@
 #include "softsim/concepts.hpp"
 #include "softsim/kinematics/linear_tetrahedron.hpp"
 #include "softsim/material/fibre.hpp"
+#include "softsim/material/principal_tangent.hpp"
 #include "softsim/mesh/tetrahedral_mesh.hpp"
 #include "softsim/potential/elements.hpp"
 #include "softsim/potential/isotropic_blocks.hpp"
@@ -37,6 +39,17 @@ struct ElasticData<K, M, T> {
     typename K::template Data<T> shape;
     typename M::template Data<T> material;
   };
+};
+
+// Either the closed form of the unfiltered law, or the filtered tangent in principal axes with the gradients
+// of shape functions 1 to 3 in the same axes.
+template <class Law, class T>
+struct FilteredBlocks {
+  std::conditional_t<InvariantLaw<Law>, IsotropicBlocks<Law, T>, char> plain;
+  PrincipalTangent<T> tangent;
+  std::array<Vec3<T>, 3> gradient;
+  T volume;
+  bool filtered;
 };
 }  // namespace detail
 
@@ -122,10 +135,39 @@ requires Kinematics<K> &&(Material<M> || MaterialField<M>)struct Elastic {
     form.set(material, F.col(0).dot(c.col(0)));
     return form;
   }
+  /// The same for a filtered isotropic law: in principal axes where the filter may have something to do.
+  template <class T>
+  [[nodiscard]] auto block_form(const Data<T>& data, const Local<T, points>& u) const
+      requires(std::is_same_v<K, LinearTetrahedron>&& requires(const Mat3<T>& F, const Vec3<T>& p) {
+        { material.surely_unfiltered(F) } -> std::same_as<bool>;
+        material.linearise(F).block_of_turned(p, p);
+      }) {
+    using Law = std::remove_cvref_t<decltype(material.law())>;
+    detail::FilteredBlocks<Law, T> form;
+    const Mat3<T> F = K::deformation_gradient(data, u);
+    form.filtered = !(InvariantLaw<Law> && material.surely_unfiltered(F));
+    if (form.filtered) {
+      form.tangent = material.linearise(F);
+      for (std::size_t i = 0; i < 3; ++i) form.gradient[i] = form.tangent.V.transpose() * data.gradient[i];
+      form.volume = data.volume;
+    } else if constexpr (InvariantLaw<Law>) {
+      form.plain = Elastic<K, Law>{material.law()}.template block_form<T>(data, u);
+    }
+    return form;
+  }
+
   /// Block (i, j) of the Hessian, 1 <= i <= j, N/m.
   template <int i, int j, class T>
   [[nodiscard]] Mat3<T> hessian_block(const IsotropicBlocks<M, T>& form) const {
     return form.template block<i, j>();
+  }
+  template <int i, int j, class Law, class T>
+  [[nodiscard]] Mat3<T> hessian_block(const detail::FilteredBlocks<Law, T>& form) const {
+    if constexpr (InvariantLaw<Law>)
+      if (!form.filtered) return form.plain.template block<i, j>();
+    Mat3<T> block = form.tangent.block_of_turned(form.gradient[i - 1], form.gradient[j - 1]);
+    block *= form.volume;
+    return block;
   }
 
  private:

@@ -76,6 +76,27 @@ concept Linearisable = requires(const E& e, const typename E::template Data<T>& 
   { e.linearised_product(data, e.linearise(data, u), du) } -> std::convertible_to<Tangent<E, T>>;
 };
 
+/// `Data<T>` of a local force that remembers: what the rest shape determines, and the `memory_size()` numbers
+/// that the stencil carries from step to step, zero at first.
+template <class D, class T>
+struct Remembered {
+  const D& rest;
+  T* memory;
+};
+
+namespace detail {
+template <class D>
+struct Stored {
+  using Rest = D;
+  static constexpr bool remembers = false;
+};
+template <class D, class T>
+struct Stored<Remembered<D, T>> {
+  using Rest = D;
+  static constexpr bool remembers = true;
+};
+}  // namespace detail
+
 /// A set of like stencils, evaluated N at a time on SIMD lanes (N = 1: one at a time): the only place that
 /// gathers unknowns and scatters forces. Stencils are sorted by model, so that every chunk of N shares its
 /// parameters, and cut into stretches that are worked off colour by colour: with OpenMP in parallel, and with
@@ -87,7 +108,7 @@ class Elements {
  public:
   using Scalar = T;
   using Value = Lanes<T, N>;
-  using RestData = typename E::template Data<double>;
+  using RestData = typename detail::Stored<typename E::template Data<double>>::Rest;
   static_assert(LocalForce<E, Value>);
 
   /// Number of blocks in a stencil.
@@ -166,7 +187,8 @@ class Elements {
     template <class F>
     struct Kept<F, true> {
       using type = std::remove_cvref_t<decltype(std::declval<const F&>().linearise(
-          std::declval<const typename F::template Data<Value>&>(), std::declval<const Unknowns<F, Value>&>()))>;
+          std::declval<const typename F::template Data<Value>&>(),
+          std::declval<const Unknowns<F, Value>&>()))>;
     };
     using Item = typename Kept<E, Linearisable<E, Value>>::type;
     std::vector<Item, Eigen::aligned_allocator<Item>> items;
@@ -179,10 +201,20 @@ class Elements {
     for_each_stretch([&](const Stretch& s) { linearise_of(s, from, to.items.data()); });
   }
   /// y += (d^2E/dq^2) d at the state of the last `linearise`.
-  void add_linearised_product(const Linearised& at, const Vector<T>& d, Vector<T>& y) const
-      requires Linearisable<E, Value> {
+  void add_linearised_product(const Linearised& at, const Vector<T>& d,
+                              Vector<T>& y) const requires Linearisable<E, Value> {
     for_each_stretch(
         [&](const Stretch& s) { add_linearised_product_of(s, at.items.data(), d.data(), y.data()); });
+  }
+
+  /// y += D(q) v: minus a damping force, N.
+  void add_damping_product(const State<T>& q, const Vector<T>& v, Vector<T>& y) const requires requires {
+    &E::template damping_product<Value>;
+  }
+  {
+    visit(q, &y, [&](const E& model, const Data& data, const Unknowns<E, Value>& u, const Chunk& chunk) {
+      return model.damping_product(data, u, gather_tangent(chunk, v.data()));
+    });
   }
 
   /// Calls f(stencil) for every stencil in storage order.
@@ -217,6 +249,9 @@ class Elements {
     });
     const std::size_t last = s.first * lanes + static_cast<std::size_t>(s.count) - 1;
     write(place, rest_data(last), stencil(last));
+    for (std::size_t i = 0; i < memory_size_; ++i)
+      set_lane(memory(place / lanes)[i], static_cast<int>(place % lanes),
+               lane(memory(last / lanes)[i], static_cast<int>(last % lanes)));
     index_[place] = index_[last];
     place_[index_[place]] = place;
     place_[index] = removed;
@@ -224,6 +259,29 @@ class Elements {
     --size_;
     number_stencils();
   }
+
+ protected:
+  using Data = typename E::template Data<Value>;
+  static constexpr bool remembers = detail::Stored<Data>::remembers;
+  struct Chunk {
+    typename detail::Stored<Data>::Rest data;
+    std::array<BlockIds<N>, blocks> ids;
+  };
+
+  /// Calls f(model, data, u, chunk) for every chunk; f may write to the memory in `data`. The forces that it
+  /// returns, if any, are added to y.
+  template <class Function>
+  void visit(const State<T>& q, Vector<T>* y, Function f) const {
+    const T* from = unknowns(q);
+    for_each_stretch([&](const Stretch& s) { visit_of(s, from, y, f); });
+  }
+  /// Calls f(model) for every parameter set.
+  template <class Function>
+  void set_models(Function f) {
+    for (E& model : models_) f(model);
+  }
+  /// Sets the memory of all stencils to zero.
+  void forget() { std::fill(memory_.begin(), memory_.end(), Value(0)); }
 
  private:
   static constexpr std::size_t lanes = static_cast<std::size_t>(N), removed = static_cast<std::size_t>(-1);
@@ -233,10 +291,6 @@ class Elements {
   // body of a thousand tetrahedra still keeps two threads busy.
   static constexpr std::size_t stretch_length = std::max<std::size_t>(256, lanes);
 
-  struct Chunk {
-    typename E::template Data<Value> data;
-    std::array<BlockIds<N>, blocks> ids;
-  };
   struct Stretch {
     std::size_t model, first;   // first chunk
     int count;                  // stencils
@@ -244,19 +298,18 @@ class Elements {
     mutable double energy = 0;
   };
   static constexpr std::size_t numbers = sizeof(RestData) / sizeof(double);
-  static_assert(sizeof(typename E::template Data<Value>) == numbers * sizeof(Value),
-                "Data<T> may hold scalars T only");
+  static_assert(sizeof(Chunk::data) == numbers * sizeof(Value), "Data<T> may hold scalars T only");
 
   void store(const std::vector<std::vector<std::size_t>>& members, const std::vector<RestData>& data,
              const std::vector<Stencil>& stencils) {
     std::vector<std::vector<std::size_t>> parts;
-    std::vector<std::size_t> model;
+    std::vector<std::size_t> model_of;
     for (std::size_t m = 0; m < members.size(); ++m)
       for (std::size_t k = 0; k < members[m].size(); k += stretch_length) {
         const std::size_t end = std::min(k + stretch_length, members[m].size());
         parts.emplace_back(members[m].begin() + static_cast<std::ptrdiff_t>(k),
                            members[m].begin() + static_cast<std::ptrdiff_t>(end));
-        model.push_back(m);
+        model_of.push_back(m);
       }
     std::vector<std::vector<std::int32_t>> touched(parts.size());
     for (std::size_t p = 0; p < parts.size(); ++p)
@@ -271,6 +324,10 @@ class Elements {
     std::size_t chunks = 0;
     for (const auto& part : parts) chunks += (part.size() + lanes - 1) / lanes;
     chunks_.resize(chunks);
+    if constexpr (remembers) {
+      for (const E& e : models_) memory_size_ = std::max(memory_size_, e.memory_size());
+      memory_.assign(chunks * memory_size_, Value(0));
+    }
     index_.assign(chunks * lanes, 0);
     place_.assign(stencils.size(), removed);
     size_ = stencils.size();
@@ -280,7 +337,7 @@ class Elements {
       const auto& part = parts[p];
       if (colour[p] != last_colour) colour_begin_.push_back(stretches_.size());
       last_colour = colour[p];
-      stretches_.push_back({model[p], first, static_cast<int>(part.size())});
+      stretches_.push_back({model_of[p], first, static_cast<int>(part.size())});
       const std::size_t count = (part.size() + lanes - 1) / lanes;
       for (std::size_t k = 0; k < count * lanes; ++k) {
         const std::size_t e = part[std::min(k, part.size() - 1)], place = first * lanes + k;
@@ -339,6 +396,15 @@ class Elements {
     }
   }
 
+  [[nodiscard]] Value* memory(std::size_t chunk) const { return memory_.data() + chunk * memory_size_; }
+  // What the functions of E get.
+  [[nodiscard]] decltype(auto) data_of(const Chunk& chunk) const {
+    if constexpr (remembers)
+      return Data{chunk.data, memory(static_cast<std::size_t>(&chunk - chunks_.data()))};
+    else
+      return (chunk.data);
+  }
+
   // Calls f for every stretch; those of one colour may run at the same time.
   template <class Function>
   void for_each_stretch(Function f) const {
@@ -357,12 +423,24 @@ class Elements {
 
   // The loops over chunks.
 
+  template <class Function>
+  SOFTSIM_FLATTEN void visit_of(const Stretch& s, const T* from, Vector<T>* y, const Function& f) const {
+    const E& model = models_[s.model];
+    const Chunk* chunk = chunks_.data() + s.first;
+    for (int k = 0; k < s.count; k += N, ++chunk) {
+      const auto call = [&] { return f(model, data_of(*chunk), gather(*chunk, from), *chunk); };
+      if constexpr (std::is_void_v<decltype(call())>)
+        call();
+      else
+        scatter(*chunk, std::min(N, s.count - k), call(), y->data());
+    }
+  }
   SOFTSIM_FLATTEN double energy_of(const Stretch& s, const T* from) const {
     const E& model = models_[s.model];
     double sum = 0;
     const Chunk* chunk = chunks_.data() + s.first;
     for (int k = 0; k < s.count; k += N, ++chunk) {
-      const Value w = model.energy(chunk->data, gather(*chunk, from));
+      const Value w = model.energy(data_of(*chunk), gather(*chunk, from));
       for (int l = 0; l < std::min(N, s.count - k); ++l) sum += static_cast<double>(lane(w, l));
     }
     return sum;
@@ -371,54 +449,56 @@ class Elements {
     const E& model = models_[s.model];
     const Chunk* chunk = chunks_.data() + s.first;
     for (int k = 0; k < s.count; k += N, ++chunk)
-      scatter(*chunk, std::min(N, s.count - k), model.gradient(chunk->data, gather(*chunk, from)), y);
+      scatter(*chunk, std::min(N, s.count - k), model.gradient(data_of(*chunk), gather(*chunk, from)), y);
   }
   SOFTSIM_FLATTEN void add_product_of(const Stretch& s, const T* from, const T* d, T* y) const {
     const E& model = models_[s.model];
     const Chunk* chunk = chunks_.data() + s.first;
     for (int k = 0; k < s.count; k += N, ++chunk)
       scatter(*chunk, std::min(N, s.count - k),
-              model.hessian_product(chunk->data, gather(*chunk, from), gather_tangent(*chunk, d)), y);
+              model.hessian_product(data_of(*chunk), gather(*chunk, from), gather_tangent(*chunk, d)), y);
   }
   template <class Item>
   SOFTSIM_FLATTEN void linearise_of(const Stretch& s, const T* from, Item* items) const {
     const E& model = models_[s.model];
     for (std::size_t c = s.first; (c - s.first) * lanes < static_cast<std::size_t>(s.count); ++c)
-      items[c] = model.linearise(chunks_[c].data, gather(chunks_[c], from));
+      items[c] = model.linearise(data_of(chunks_[c]), gather(chunks_[c], from));
   }
   template <class Item>
-  SOFTSIM_FLATTEN void add_linearised_product_of(const Stretch& s, const Item* items, const T* d, T* y) const {
+  SOFTSIM_FLATTEN void add_linearised_product_of(const Stretch& s, const Item* items, const T* d,
+                                                 T* y) const {
     const E& model = models_[s.model];
     const Chunk* chunk = chunks_.data() + s.first;
     const Item* item = items + s.first;
     for (int k = 0; k < s.count; k += N, ++chunk, ++item)
       scatter(*chunk, std::min(N, s.count - k),
-              model.linearised_product(chunk->data, *item, gather_tangent(*chunk, d)), y);
+              model.linearised_product(data_of(*chunk), *item, gather_tangent(*chunk, d)), y);
   }
 
   SOFTSIM_FLATTEN void add_blocks_of(const Stretch& s, const T* from, T scale, const std::int32_t* position,
-                                      T* values) const {
+                                     T* values) const {
     const E& model = models_[s.model];
     const Chunk* chunk = chunks_.data() + s.first;
     for (int k = 0; k < s.count; k += N, ++chunk, position += N * blocks * blocks) {
       const int count = std::min(N, s.count - k);
       const Unknowns<E, Value> u = gather(*chunk, from);
       if constexpr (closed_blocks) {
-        add_closed_blocks(model, model.block_form(chunk->data, u), count, scale, position, values);
+        add_closed_blocks(model, model.block_form(data_of(*chunk), u), count, scale, position, values);
       } else if constexpr (Linearisable<E, Value>) {
-        const auto at = model.linearise(chunk->data, u);
-        add_columns(count, scale, position, values,
-                    [&](const Tangent<E, Value>& d) { return model.linearised_product(chunk->data, at, d); });
+        const auto at = model.linearise(data_of(*chunk), u);
+        add_columns(count, scale, position, values, [&](const Tangent<E, Value>& d) {
+          return model.linearised_product(data_of(*chunk), at, d);
+        });
       } else {
         add_columns(count, scale, position, values,
-                    [&](const Tangent<E, Value>& d) { return model.hessian_product(chunk->data, u, d); });
+                    [&](const Tangent<E, Value>& d) { return model.hessian_product(data_of(*chunk), u, d); });
       }
     }
   }
 
   static constexpr bool closed_blocks =
-      translation_invariant && requires(const E& e, const typename E::template Data<Value>& data,
-                                        const Unknowns<E, Value>& u) {
+      translation_invariant &&
+      requires(const E& e, const typename E::template Data<Value>& data, const Unknowns<E, Value>& u) {
     { e.template hessian_block<1, 1>(e.block_form(data, u)) } -> std::convertible_to<Mat3<Value>>;
   };
 
@@ -447,7 +527,8 @@ class Elements {
     };
     [&]<int... i>(std::integer_sequence<int, i...>) {
       (row.template operator()<i + 1>(std::make_integer_sequence<int, blocks - 1 - i>()), ...);
-    }(std::make_integer_sequence<int, blocks - 1>());
+    }
+    (std::make_integer_sequence<int, blocks - 1>());
     for (int i = 1; i < blocks; ++i) {
       const Mat3<Value>& m = first[static_cast<std::size_t>(i)];
       const Mat3<Value> t = m.transpose();
@@ -523,7 +604,9 @@ class Elements {
 
   std::vector<E> models_;
   std::vector<Chunk, Eigen::aligned_allocator<Chunk>> chunks_;
-  std::vector<Stretch> stretches_;          // in the order they are worked off
+  mutable std::vector<Value, Eigen::aligned_allocator<Value>> memory_;  // chunk by chunk
+  std::size_t memory_size_ = 0;                                         // numbers of one stencil
+  std::vector<Stretch> stretches_;                                      // in the order they are worked off
   std::vector<std::size_t> colour_begin_;   // first stretch of each colour, and the end
   std::vector<std::size_t> index_, place_;  // of each lane the place in the lists given, and back
   std::size_t size_ = 0;

@@ -33,8 +33,10 @@ class KelvinVoigt {
  public:
   static constexpr int points = K::points;
   static constexpr bool viscous = true;
+  static constexpr bool translation_invariant = requires { requires K::translation_invariant; };
+  /// That of the kinematics, and six numbers: the strain at the start of the step.
   template <class T>
-  using Data = typename K::template Data<T>;
+  using Data = Remembered<typename K::template Data<T>, T>;
 
   /// @throws std::invalid_argument unless both are finite, psi >= 0 and 3 phi + 2 psi >= 0: else some motion
   /// would gain energy
@@ -46,7 +48,7 @@ class KelvinVoigt {
               " Pa s must be at least -2/3 psi = " + to_text(-2 * p.psi / 3) + " Pa s and finite");
   }
 
-  /// Six numbers: the strain at the start of the step.
+  /// See `Remembered`.
   [[nodiscard]] std::size_t memory_size() const { return 6; }
   /// See `MemoryElements`.
   void set_step(double dt) { per_dt_ = dt > 0 ? 1 / dt : 0; }
@@ -54,55 +56,53 @@ class KelvinVoigt {
   void set_static() { per_dt_ = 0; }
   /// Takes the strain.
   template <class T>
-  void remember(const Data<T>& data, T* memory, const Local<T, points>& u) const {
-    const Mat3<T> E = strain<T>(K::deformation_gradient(data, u));
+  void remember(const Data<T>& data, const Local<T, points>& u) const {
+    const Mat3<T> E = strain<T>(K::deformation_gradient(data.rest, u));
     for (int i = 0; i < 3; ++i) {
-      memory[i] = E(i, i);
-      memory[3 + i] = E(i, (i + 1) % 3);
+      data.memory[i] = E(i, i);
+      data.memory[3 + i] = E(i, (i + 1) % 3);
     }
   }
-  /// Nothing to do.
-  template <class T>
-  void prepare(T*) const {}
 
   /// V h/2 (phi tr(R)^2 + 2 psi R : R), J.
   template <class T>
-  [[nodiscard]] T energy(const Data<T>& data, const T* memory, const Local<T, points>& u) const {
-    const Mat3<T> R = since<T>(memory, K::deformation_gradient(data, u));
-    return T(per_dt_ / 2) * K::volume(data) * double_dot(R, viscous_stress(R));
+  [[nodiscard]] T energy(const Data<T>& data, const Local<T, points>& u) const {
+    const Mat3<T> R = since<T>(data.memory, K::deformation_gradient(data.rest, u));
+    return T(per_dt_ / 2) * K::volume(data.rest) * double_dot(R, viscous_stress(R));
   }
   /// V B^T F S_v, N.
   template <class T>
-  [[nodiscard]] Eigen::Matrix<T, 3 * points, 1> gradient(const Data<T>& data, const T* memory,
+  [[nodiscard]] Eigen::Matrix<T, 3 * points, 1> gradient(const Data<T>& data,
                                                          const Local<T, points>& u) const {
-    return K::pullback(data, u, scaled_piola(data, memory, K::deformation_gradient(data, u)));
+    return K::pullback(data.rest, u, scaled_piola(data, K::deformation_gradient(data.rest, u)));
   }
   /// V B^T (dF S_v + F dS_v), and the geometric product where F is not linear in the unknowns.
   template <class T>
   [[nodiscard]] Eigen::Matrix<T, 3 * points, 1> hessian_product(
-      const Data<T>& data, const T* memory, const Local<T, points>& u,
-      const Eigen::Matrix<T, 3 * points, 1>& du) const {
-    const Mat3<T> F = K::deformation_gradient(data, u);
-    const Mat3<T> dF = K::deformation_gradient_differential(data, u, du);
-    const Mat3<T> S = viscous_stress<T>(since<T>(memory, F)), dS = viscous_stress<T>(strain_rate<T>(F, dF));
+      const Data<T>& data, const Local<T, points>& u, const Eigen::Matrix<T, 3 * points, 1>& du) const {
+    const Mat3<T> F = K::deformation_gradient(data.rest, u);
+    const Mat3<T> dF = K::deformation_gradient_differential(data.rest, u, du);
+    const Mat3<T> S = viscous_stress<T>(since<T>(data.memory, F)),
+                  dS = viscous_stress<T>(strain_rate<T>(F, dF));
     Mat3<T> dP = dF * S;
     dP += F * dS;
-    const T scale = T(per_dt_) * K::volume(data);
+    const T scale = T(per_dt_) * K::volume(data.rest);
     dP *= scale;
-    Eigen::Matrix<T, 3 * points, 1> df = K::pullback(data, u, dP);
+    Eigen::Matrix<T, 3 * points, 1> df = K::pullback(data.rest, u, dP);
     if constexpr (NonlinearKinematics<K, T>)
-      df += K::geometric_product(data, u, scaled_piola(data, memory, F), du);
+      df += K::geometric_product(data.rest, u, scaled_piola(data, F), du);
     return df;
   }
   /// D(u) v = V B^T F S_v at the velocities v, N.
   template <class T>
   [[nodiscard]] Eigen::Matrix<T, 3 * points, 1> damping_product(
       const Data<T>& data, const Local<T, points>& u, const Eigen::Matrix<T, 3 * points, 1>& v) const {
-    const Mat3<T> F = K::deformation_gradient(data, u);
-    const Mat3<T> S = viscous_stress<T>(strain_rate<T>(F, K::deformation_gradient_differential(data, u, v)));
+    const Mat3<T> F = K::deformation_gradient(data.rest, u);
+    const Mat3<T> S =
+        viscous_stress<T>(strain_rate<T>(F, K::deformation_gradient_differential(data.rest, u, v)));
     Mat3<T> P = F * S;
-    P *= K::volume(data);
-    return K::pullback(data, u, P);
+    P *= K::volume(data.rest);
+    return K::pullback(data.rest, u, P);
   }
 
  private:
@@ -137,9 +137,9 @@ class KelvinVoigt {
     return S;
   }
   template <class T>
-  Mat3<T> scaled_piola(const Data<T>& data, const T* memory, const Mat3<T>& F) const {
-    const T scale = T(per_dt_) * K::volume(data);
-    const Mat3<T> S = viscous_stress<T>(since<T>(memory, F));
+  Mat3<T> scaled_piola(const Data<T>& data, const Mat3<T>& F) const {
+    const T scale = T(per_dt_) * K::volume(data.rest);
+    const Mat3<T> S = viscous_stress<T>(since<T>(data.memory, F));
     Mat3<T> P = F * S;
     P *= scale;
     return P;

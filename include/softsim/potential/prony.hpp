@@ -206,8 +206,11 @@ template <class K, class M>
 requires Kinematics<K> && Material<M> && requires(const M& m, const Mat3<double>& F) { m.second_piola(F); }
 struct PronyElastic {
   static constexpr int points = K::points;
+  static constexpr bool translation_invariant = requires { requires K::translation_invariant; };
+  /// That of the kinematics, and six numbers each for every term and, where the series needs it, for S at the
+  /// start of the step.
   template <class T>
-  using Data = typename K::template Data<T>;
+  using Data = Remembered<typename K::template Data<T>, T>;
 
   M material;
   PronySeries series;
@@ -218,15 +221,23 @@ struct PronyElastic {
       : material(std::move(material_)),
         series(std::move(series_)),
         static_response(response),
+        ended_(series),
         step_(series) {}
 
-  /// Six numbers each for the history, S at the start of the step and every term.
-  [[nodiscard]] std::size_t memory_size() const { return 6 * (2 + series.terms().size()); }
+  /// See `Remembered`.
+  [[nodiscard]] std::size_t memory_size() const {
+    return 6 * (series.terms().size() + (keeps_start() ? 1 : 0));
+  }
 
   /// See `MemoryElements`.
   void set_step(double dt) {
     step_.set(series, dt);
     static_ = false;
+  }
+  /// See `MemoryElements`.
+  void set_end(double dt) {
+    ended_.set(series, dt);
+    set_step(0);
   }
   /// See `MemoryElements`.
   void set_static() {
@@ -236,124 +247,139 @@ struct PronyElastic {
   }
   /// Takes S at u.
   template <class T>
-  void remember(const Data<T>& data, T* memory, const Local<T, points>& u) const {
-    write(stress(data, u), memory + 6);
+  void remember(const Data<T>& data, const Local<T, points>& u) const {
+    if (keeps_start())
+      Symmetric<T>(material.second_piola(K::deformation_gradient(data.rest, u))).write(data.memory);
   }
-  /// Makes the history of the step.
+  /// Carries the terms to the end of a step in u. V B^T F (S - sum gamma_k), N.
   template <class T>
-  void prepare(T* memory) const {
-    for (int i = 0; i < 6; ++i) {
-      T sum(0);
-      if (!static_) {
-        sum = T(step_.start) * memory[6 + i];
-        for (std::size_t k = 0; k < step_.terms.size(); ++k)
-          sum += T(step_.terms[k].decay) * memory[static_cast<std::size_t>(i) + 12 + 6 * k];
-      }
-      memory[i] = sum;
+  Eigen::Matrix<T, 3 * points, 1> advance(const Data<T>& data, const Local<T, points>& u) const {
+    const Mat3<T> F = K::deformation_gradient(data.rest, u);
+    const Symmetric<T> S(material.second_piola(F));
+    Symmetric<T> rest = S;
+    if (keeps_start()) {
+      Symmetric<T> start(data.memory);
+      S.write(data.memory);
+      carry(data.memory + 6, S, rest,
+            [&](T& gamma, const PronySeries::Coefficients& c, int i) { gamma += T(c.start) * start[i]; });
+    } else {
+      carry(data.memory, S, rest, [](T&, const PronySeries::Coefficients&, int) {});
     }
-  }
-  /// Carries the terms to the end of the step, and the history to that time.
-  template <class T>
-  void close(const Data<T>& data, T* memory, const Local<T, points>& u) const {
-    T end[6], sum[6];
-    write(stress(data, u), end);
-    for (int i = 0; i < 6; ++i) sum[i] = T(0);
-    T* gamma = memory + 12;
-    for (const PronySeries::Coefficients& c : step_.terms) {
-      const T decay(c.decay), from_start(c.start), from_end(c.end);
-      for (int i = 0; i < 6; ++i) {
-        gamma[i] = decay * gamma[i] + from_start * memory[6 + i] + from_end * end[i];
-        sum[i] += gamma[i];
-      }
-      gamma += 6;
-    }
-    for (int i = 0; i < 6; ++i) {
-      memory[i] = sum[i];
-      memory[6 + i] = end[i];
-    }
+    Mat3<T> P = F * rest.matrix();
+    P *= K::volume(data.rest);
+    return K::pullback(data.rest, u, P);
   }
   /// The terms of a body that has been in u for ever (relaxed) or has just come there.
   template <class T>
-  void settle(const Data<T>& data, T* memory, const Local<T, points>& u, StaticResponse response) const {
-    write(stress(data, u), memory + 6);
-    for (int i = 0; i < 6; ++i) {
-      T sum(0), *gamma = memory + 12 + i;
-      for (const PronyTerm& term : series.terms()) {
-        *gamma = T(response == StaticResponse::relaxed ? term.weight : 0) * memory[6 + i];
-        sum += *gamma;
-        gamma += 6;
-      }
-      memory[i] = sum;
-    }
+  void settle(const Data<T>& data, const Local<T, points>& u, StaticResponse response) const {
+    const Symmetric<T> S(material.second_piola(K::deformation_gradient(data.rest, u)));
+    if (keeps_start()) S.write(data.memory);
+    T* gamma = terms(data);
+    for (const PronyTerm& term : series.terms())
+      for (int i = 0; i < 6; ++i, ++gamma)
+        *gamma = T(response == StaticResponse::relaxed ? term.weight : 0) * S[i];
   }
 
   /// V (instant psi(F) - h : E), J.
   template <class T>
-  [[nodiscard]] T energy(const Data<T>& data, const T* memory, const Local<T, points>& u) const {
-    const Mat3<T> F = K::deformation_gradient(data, u), H = F - Mat3<T>::Identity();
+  [[nodiscard]] T energy(const Data<T>& data, const Local<T, points>& u) const {
+    const Mat3<T> F = K::deformation_gradient(data.rest, u), H = F - Mat3<T>::Identity();
     const Mat3<T> twice_E = H + H.transpose() + H.transpose() * H;
-    return K::volume(data) *
-           (T(step_.instant) * material.energy_density(F) - T(0.5) * double_dot(read(memory), twice_E));
+    return K::volume(data.rest) *
+           (T(step_.instant) * material.energy_density(F) - T(0.5) * double_dot(history(data), twice_E));
   }
   /// V B^T (instant P - F h), N.
   template <class T>
-  [[nodiscard]] Eigen::Matrix<T, 3 * points, 1> gradient(const Data<T>& data, const T* memory,
+  [[nodiscard]] Eigen::Matrix<T, 3 * points, 1> gradient(const Data<T>& data,
                                                          const Local<T, points>& u) const {
-    return K::pullback(data, u, scaled_stress(data, memory, K::deformation_gradient(data, u)));
+    return K::pullback(data.rest, u, scaled_stress(data, K::deformation_gradient(data.rest, u)));
   }
   /// V B^T (instant dP - dF h), and the geometric product where F is not linear in the unknowns.
   template <class T>
   [[nodiscard]] Eigen::Matrix<T, 3 * points, 1> hessian_product(
-      const Data<T>& data, const T* memory, const Local<T, points>& u,
-      const Eigen::Matrix<T, 3 * points, 1>& du) const {
-    const Mat3<T> F = K::deformation_gradient(data, u);
-    const Mat3<T> dF = K::deformation_gradient_differential(data, u, du), h = read(memory), dFh = dF * h;
+      const Data<T>& data, const Local<T, points>& u, const Eigen::Matrix<T, 3 * points, 1>& du) const {
+    const Mat3<T> F = K::deformation_gradient(data.rest, u);
+    const Mat3<T> dF = K::deformation_gradient_differential(data.rest, u, du), dFh = dF * history(data);
     const T c(step_.instant);
     Mat3<T> dP = material.first_piola_differential(F, dF);
     dP = c * dP - dFh;
-    dP *= K::volume(data);
-    Eigen::Matrix<T, 3 * points, 1> df = K::pullback(data, u, dP);
+    dP *= K::volume(data.rest);
+    Eigen::Matrix<T, 3 * points, 1> df = K::pullback(data.rest, u, dP);
     if constexpr (NonlinearKinematics<K, T>)
-      df += K::geometric_product(data, u, scaled_stress(data, memory, F), du);
+      df += K::geometric_product(data.rest, u, scaled_stress(data, F), du);
     return df;
   }
 
  private:
+  // The six different entries of a symmetric matrix.
   template <class T>
-  Mat3<T> stress(const Data<T>& data, const Local<T, points>& u) const {
-    return material.second_piola(K::deformation_gradient(data, u));
+  struct Symmetric {
+    T entry[6];
+
+    explicit Symmetric(const T* memory) {
+      for (int i = 0; i < 6; ++i) entry[i] = memory[i];
+    }
+    explicit Symmetric(const Mat3<T>& S) : entry{S(0, 0), S(1, 1), S(2, 2), S(0, 1), S(0, 2), S(1, 2)} {}
+    T& operator[](int i) { return entry[i]; }
+    const T& operator[](int i) const { return entry[i]; }
+    void write(T* memory) const {
+      for (int i = 0; i < 6; ++i) memory[i] = entry[i];
+    }
+    [[nodiscard]] Mat3<T> matrix() const {
+      Mat3<T> S;  // without a comma initialiser, which counts its way at run time
+      S(0, 0) = entry[0];
+      S(1, 1) = entry[1];
+      S(2, 2) = entry[2];
+      S(0, 1) = S(1, 0) = entry[3];
+      S(0, 2) = S(2, 0) = entry[4];
+      S(1, 2) = S(2, 1) = entry[5];
+      return S;
+    }
+  };
+
+  [[nodiscard]] bool keeps_start() const { return series.update() == PronyUpdate::exponential; }
+  template <class T>
+  [[nodiscard]] T* terms(const Data<T>& data) const {
+    return data.memory + (keeps_start() ? 6 : 0);
+  }
+  // gamma = decay gamma + end S + what `add_start` adds; rest -= gamma.
+  template <class T, class AddStart>
+  void carry(T* gamma, const Symmetric<T>& S, Symmetric<T>& rest, AddStart add_start) const {
+    for (const PronySeries::Coefficients& c : ended_.terms) {
+      const T decay(c.decay), end(c.end);
+      for (int i = 0; i < 6; ++i) {
+        T g = decay * gamma[i] + end * S[i];
+        add_start(g, c, i);
+        gamma[i] = g;
+        rest[i] -= g;
+      }
+      gamma += 6;
+    }
+  }
+  // h = sum of decay gamma + start S_0 of the step.
+  template <class T>
+  [[nodiscard]] Mat3<T> history(const Data<T>& data) const {
+    T h[6] = {T(0), T(0), T(0), T(0), T(0), T(0)};
+    if (!static_) {
+      if (keeps_start())
+        for (int i = 0; i < 6; ++i) h[i] = T(step_.start) * data.memory[i];
+      const T* gamma = terms(data);
+      for (const PronySeries::Coefficients& c : step_.terms)
+        for (T& sum : h) sum += T(c.decay) * *gamma++;
+    }
+    return Symmetric<T>(h).matrix();
   }
   template <class T>
-  Mat3<T> scaled_stress(const Data<T>& data, const T* memory, const Mat3<T>& F) const {
+  Mat3<T> scaled_stress(const Data<T>& data, const Mat3<T>& F) const {
     const T c(step_.instant);
-    const Mat3<T> h = read(memory), Fh = F * h;
+    const Mat3<T> Fh = F * history(data);
     Mat3<T> P = material.first_piola(F);
     P = c * P - Fh;
-    P *= K::volume(data);
+    P *= K::volume(data.rest);
     return P;
   }
-  template <class T>
-  static void write(const Mat3<T>& S, T* to) {
-    to[0] = S(0, 0);
-    to[1] = S(1, 1);
-    to[2] = S(2, 2);
-    to[3] = S(0, 1);
-    to[4] = S(0, 2);
-    to[5] = S(1, 2);
-  }
-  template <class T>
-  static Mat3<T> read(const T* s) {
-    Mat3<T> S;  // without a comma initialiser, which counts its way at run time
-    S(0, 0) = s[0];
-    S(1, 1) = s[1];
-    S(2, 2) = s[2];
-    S(0, 1) = S(1, 0) = s[3];
-    S(0, 2) = S(2, 0) = s[4];
-    S(1, 2) = S(2, 1) = s[5];
-    return S;
-  }
 
-  PronyStep step_;
+  PronyStep ended_, step_;  // of the step that ended last, and of that which forces stand for
   bool static_ = false;
 };
 
@@ -367,9 +393,8 @@ requires Material<M>
 [[nodiscard]] PronyTetrahedra<M, T, N> prony_elements(const TetrahedralMesh& mesh, const M& material,
                                                       PronySeries series,
                                                       StaticResponse response = StaticResponse::relaxed) {
-  return {{PronyElastic<LinearTetrahedron, M>(material, std::move(series), response)},
-          detail::tetrahedron_data(mesh),
-          mesh.tetrahedra()};
+  return {std::vector{PronyElastic<LinearTetrahedron, M>(material, std::move(series), response)},
+          detail::tetrahedron_data(mesh), mesh.tetrahedra()};
 }
 
 }  // namespace softsim

@@ -23,6 +23,7 @@ namespace softsim {
 /// What the two kinds of spring know of one link, and how they find its stretch.
 struct SpringLink {
   static constexpr int points = 2;
+  static constexpr bool translation_invariant = true;
 
   /// Link at rest from point 0 to point 1 in m, its length in m, and the stiffness in N/m.
   template <class T>
