@@ -16,7 +16,7 @@ namespace softsim {
 ///   I1 = vtr . l, I2 = ((vtr . l)^2 - l . Mtr l) / 2, s = dw/dl = w1 vtr + w2 (I1 vtr - Mtr l),
 /// and the force on a corner is the sum of 2 V s_k v_k over its edges v_k, with the volume's share (Table 3 and
 /// Eq. 29, corrected: the factor 2 of Saint Venant-Kirchhoff and of dI2/dl, the force on corner 0). It is
-/// here to be read, checked and counted; `Heml` computes the same with a quarter of the operations.
+/// here to be read, checked and counted; `Heml` computes the same with fewer operations and a quarter of the data.
 ///   v_1 = x_1 - x_0, v_2 = x_2 - x_0, v_3 = x_3 - x_0, v_4 = x_2 - x_1, v_5 = x_3 - x_2, v_6 = x_1 - x_3.
 template <class Law>
 requires InvariantLaw<Law>
