@@ -13,7 +13,7 @@
 
 #include "softsim/core/tensor.hpp"
 
-namespace {
+namespace batch_test {
 
 using softsim::Batch, softsim::lane, softsim::lane_count, softsim::select, softsim::set_lane;
 
@@ -217,4 +217,4 @@ TEST(PlainScalar, IsABatchOfOneLane) {
   static_assert(softsim::default_lanes<float> == 2 * softsim::default_lanes<double>);
 }
 
-}  // namespace
+}  // namespace batch_test

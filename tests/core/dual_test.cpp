@@ -11,7 +11,7 @@
 
 #include "softsim/core/tensor.hpp"
 
-namespace {
+namespace dual_test {
 
 using softsim::Batch, softsim::Dual, softsim::lane, softsim::select;
 using D = Dual<double, 2>;
@@ -132,4 +132,4 @@ TEST(BatchExpm1, KeepsItsDigitsAndItsLimits) {
   EXPECT_NEAR(lane(expm1(Batch<float, 8>(1e-4F)), 3) / std::expm1(1e-4F), 1, 5e-7);
 }
 
-}  // namespace
+}  // namespace dual_test

@@ -9,7 +9,7 @@
 #include <limits>
 #include <random>
 
-namespace {
+namespace elementary_test {
 
 using softsim::Batch, softsim::inverse_cbrt, softsim::lane, softsim::lane_count, softsim::log_and_inverse;
 
@@ -108,4 +108,4 @@ TEST(ElementaryScalars, AreThoseOfTheStandardLibrary) {
   EXPECT_EQ(log_and_inverse(4.0).inverse, 0.25);
 }
 
-}  // namespace
+}  // namespace elementary_test

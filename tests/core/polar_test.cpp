@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace {
+namespace polar_test {
 
 using softsim::polar_decomposition, softsim::rotation_factor;
 using Mat = softsim::Mat3<double>;
@@ -229,4 +229,4 @@ TYPED_TEST(PolarBatchTest, ZeroInOneLaneGivesTheIdentityThere) {
       EXPECT_NEAR(softsim::lane(R(i), l), i % 4 == 0 ? 1 : 0, std::numeric_limits<T>::epsilon());
 }
 
-}  // namespace
+}  // namespace polar_test

@@ -12,7 +12,7 @@
 #include <random>
 #include <vector>
 
-namespace {
+namespace rotation_test {
 
 using softsim::rotation_exponential, softsim::rotation_logarithm;
 
@@ -128,4 +128,4 @@ TEST(RotationExponential, TurnsTheBodyFromItsOwnSide) {
   EXPECT_LT((turned * softsim::Vec3<double>::UnitY() - softsim::Vec3<double>::UnitZ()).norm(), 1e-15);
 }
 
-}  // namespace
+}  // namespace rotation_test

@@ -12,7 +12,7 @@
 #include <random>
 #include <vector>
 
-namespace {
+namespace signed_svd_test {
 
 using softsim::signed_svd;
 using Mat = softsim::Mat3<double>;
@@ -156,4 +156,4 @@ TEST_F(SignedSvd, BatchesAreTheScalarsLaneByLane) {
   }
 }
 
-}  // namespace
+}  // namespace signed_svd_test

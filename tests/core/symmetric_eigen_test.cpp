@@ -11,7 +11,7 @@
 #include <random>
 #include <vector>
 
-namespace {
+namespace symmetric_eigen_test {
 
 using softsim::symmetric_eigen;
 using Mat = softsim::Mat3<double>;
@@ -103,4 +103,4 @@ TEST(SymmetricEigen, BatchesAreTheScalarsLaneByLane) {
   }
 }
 
-}  // namespace
+}  // namespace symmetric_eigen_test

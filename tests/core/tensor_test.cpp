@@ -6,7 +6,7 @@
 
 #include <Eigen/LU>
 
-namespace {
+namespace tensor_test {
 
 using Mat = softsim::Mat3<double>;
 using Vec = softsim::Vec3<double>;
@@ -91,4 +91,4 @@ TEST_F(TensorTest, SymmetricPartAndContractionFollowTheirDefinitions) {
   EXPECT_NEAR(softsim::trace(A), A.trace(), rounding);
 }
 
-}  // namespace
+}  // namespace tensor_test

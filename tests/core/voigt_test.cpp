@@ -6,7 +6,7 @@
 
 #include "softsim/core/batch.hpp"
 
-namespace {
+namespace voigt_test {
 
 using Mat = softsim::Mat3<double>;
 using Vec6 = softsim::Vec6<double>;
@@ -49,4 +49,4 @@ TEST(Voigt, BatchesConvertLaneByLane) {
   }
 }
 
-}  // namespace
+}  // namespace voigt_test

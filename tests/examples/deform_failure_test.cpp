@@ -13,7 +13,7 @@
 #include "examples/run_deform.hpp"
 
 namespace softsim::test {
-namespace {
+namespace deform_failure_test {
 
 /// A Gmsh file with the given lines of nodes and elements.
 std::string gmsh(const Words& nodes, const Words& elements) {
@@ -248,5 +248,5 @@ TEST_P(AFailingStep, IsToldAndWhatWasWrittenStaysReadable) {
 INSTANTIATE_TEST_SUITE_P(Table, AFailingStep, ::testing::ValuesIn(failures),
                          [](const auto& failure) { return failure.param.name; });
 
-}  // namespace
+}  // namespace deform_failure_test
 }  // namespace softsim::test

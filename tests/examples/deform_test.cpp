@@ -15,7 +15,7 @@
 #include "examples/run_deform.hpp"
 
 namespace softsim::test {
-namespace {
+namespace deform_test {
 
 const Words tissue = words("--young 10000 --poisson 0.4 --density 1060");
 const Words base = words("--fix zmin --fix-depth 0.2 --no-picture --out out");
@@ -283,5 +283,5 @@ TEST(DeformExample, ResultsAreReplacedByTheNextRun) {
   good(deform, organ("--material svk --gravity 0,0,-1 --static"));
   EXPECT_EQ(Series(deform.folder.path("out")).states.size(), 2U);
 }
-}  // namespace
+}  // namespace deform_test
 }  // namespace softsim::test

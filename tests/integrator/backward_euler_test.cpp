@@ -17,7 +17,7 @@
 #include "softsim/potential/elastic.hpp"
 #include "softsim/system/system.hpp"
 
-namespace {
+namespace backward_euler_test {
 
 using bodies::Vec, bodies::refusal, bodies::relative_error;
 using softsim::BackwardEuler, softsim::Mass, softsim::Motion, softsim::State, softsim::Status,
@@ -261,4 +261,4 @@ TEST(BackwardEuler, RefusesOptionsByValue) {
             "max_iterations 0: must be at least 1");
 }
 
-}  // namespace
+}  // namespace backward_euler_test

@@ -19,7 +19,7 @@
 // of the beam's: with n cells across the height (each twice as long as high) about 8/n^2 of it. Stiffnesses
 // at three n extrapolate to n = infinity.
 
-namespace {
+namespace beam_test {
 
 using softsim::Side, softsim::State, softsim::Status;
 
@@ -89,4 +89,4 @@ TEST(Cantilever, BendsUnderItsWeight) {
   EXPECT_NEAR(-extrapolated(cells, tip) / beam, 1, 0.02);
 }
 
-}  // namespace
+}  // namespace beam_test

@@ -17,7 +17,7 @@
 #include "softsim/potential/elastic.hpp"
 #include "softsim/system/system.hpp"
 
-namespace {
+namespace kelvin_voigt_test {
 
 using bodies::Matrix, bodies::Vec;
 using softsim::BackwardEuler, softsim::Motion, softsim::Side, softsim::State, softsim::Status,
@@ -216,4 +216,4 @@ TEST(KelvinVoigt, RefusesViscositiesThatFeedTheMotion) {
   EXPECT_EQ(bodies::refusal([] { return softsim::kelvin_voigt(mesh, {-1, 1.5}); }), "");
 }
 
-}  // namespace
+}  // namespace kelvin_voigt_test

@@ -19,7 +19,7 @@
 // A smooth displacement u on the unit cube is the solution for the body force b = -Div P(I + grad u) and its
 // own values on the boundary. Linear tetrahedra then miss it by O(h^2) in the L2 norm.
 
-namespace {
+namespace manufactured_solution_test {
 
 using bodies::Matrix, bodies::Vec;
 using softsim::State, softsim::Status, softsim::TetrahedralMesh;
@@ -147,4 +147,4 @@ TEST(ManufacturedSolution, StVenantKirchhoffConvergesWithTheSquareOfTheMeshSize)
   expect_second_order(softsim::StVenantKirchhoff::from_young_poisson(10, 0.3), {4, 8});
 }
 
-}  // namespace
+}  // namespace manufactured_solution_test

@@ -17,7 +17,7 @@
 // Answers that other codes give to four digits or more: a cube of 0.1 m, 9^3 cells of six tetrahedra,
 // Neo-Hookean with E = 10 kPa and nu = 0.4, 1000 kg/m^3, held at one face, gravity 9.81 m/s^2 across it.
 
-namespace {
+namespace reference_answers_test {
 
 using softsim::Motion, softsim::State, softsim::Status;
 using System = softsim::System<softsim::ElasticTetrahedra<softsim::NeoHookean>, softsim::DeadLoad<double>>;
@@ -64,4 +64,4 @@ TEST(ReferenceAnswers, TwelveConvergedStepsOfBackwardEuler) {
   expect_after_twelve_steps(true, 0.047745, 0.048962);
 }
 
-}  // namespace
+}  // namespace reference_answers_test

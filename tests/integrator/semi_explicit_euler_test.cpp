@@ -24,7 +24,7 @@
 #include "softsim/system/system.hpp"
 #include "softsim/system/tangent.hpp"
 
-namespace {
+namespace semi_explicit_euler_test {
 
 using bodies::Vec, bodies::refusal, bodies::relative_error;
 using softsim::Mass, softsim::Motion, softsim::SemiExplicitEuler, softsim::State, softsim::Status,
@@ -301,4 +301,4 @@ TEST(SemiExplicitEuler, RefusesStepsByValue) {
   EXPECT_EQ(said(nan), "dt nan s: must be positive and finite");
 }
 
-}  // namespace
+}  // namespace semi_explicit_euler_test

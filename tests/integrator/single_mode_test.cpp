@@ -18,7 +18,7 @@
 // A small-strain body moving in one of its modes is one damped oscillator, u'' + (alpha + beta w^2) u' + w^2
 // u = 0, whose discrete motion is known in closed form.
 
-namespace {
+namespace single_mode_test {
 
 using softsim::BackwardEuler, softsim::Mass, softsim::Motion, softsim::SemiExplicitEuler, softsim::Status,
     softsim::Vector;
@@ -124,4 +124,4 @@ TEST_P(SingleMode, LinearisedAndConvergedStepsAreOneForALinearBody) {
   }
 }
 
-}  // namespace
+}  // namespace single_mode_test

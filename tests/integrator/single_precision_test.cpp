@@ -14,7 +14,7 @@
 // A tenth of a second of a soft cube under gravity, in floats and in doubles. Single precision holds forces
 // to about 1e-6 of the stresses, which are ten times larger than what bends the cube.
 
-namespace {
+namespace single_precision_test {
 
 using softsim::Mass, softsim::Motion, softsim::Status;
 
@@ -59,4 +59,4 @@ TEST(SinglePrecision, BackwardEulerFollowsDoubles) {
   }
 }
 
-}  // namespace
+}  // namespace single_precision_test

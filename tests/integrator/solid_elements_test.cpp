@@ -19,7 +19,7 @@
 
 // Hexahedra and ten-node tetrahedra in static equilibrium: patch test, order of convergence, a slender beam.
 
-namespace {
+namespace solid_elements_test {
 
 using bodies::Matrix, bodies::Vec;
 using softsim::HexahedralMesh, softsim::QuadraticTetrahedralMesh, softsim::Side, softsim::State,
@@ -186,4 +186,4 @@ TEST(SolidBeam, TenNodeTetrahedraBendFarUnderTheWeight) {
   EXPECT_NEAR(tip[0] / -1.5985, 1, 0.02);
 }
 
-}  // namespace
+}  // namespace solid_elements_test

@@ -24,7 +24,7 @@
 // A cube with a Prony series, its history kept per node or per element. Without mass a step of backward Euler
 // is a quasi-static one.
 
-namespace {
+namespace viscoelastic_test {
 
 using bodies::Matrix, bodies::Vec;
 using softsim::BackwardEuler, softsim::DeadLoad, softsim::Motion, softsim::NeoHookean, softsim::PronySeries,
@@ -436,4 +436,4 @@ TEST(Viscoelastic, RefusesListsThatDoNotFit) {
   EXPECT_EQ(bodies::refusal([&] { return Tetrahedra({local}, {}, {}); }), "");
 }
 
-}  // namespace
+}  // namespace viscoelastic_test

@@ -16,7 +16,7 @@
 #include "io/temporary_folder.hpp"
 
 namespace softsim::test {
-namespace {
+namespace read_mesh_test {
 
 struct Sample {
   std::string name, file;
@@ -423,5 +423,5 @@ TEST(ReadMesh, ReadsAVtkFileWithoutLineEndAfterTheLastCellType) {
   EXPECT_NO_THROW(expect_the_sample(read_mesh(folder.write("mesh.vtk", text))));
 }
 
-}  // namespace
+}  // namespace read_mesh_test
 }  // namespace softsim::test

@@ -18,7 +18,7 @@
 #include "io/temporary_folder.hpp"
 
 namespace softsim::test {
-namespace {
+namespace write_vtu_test {
 
 const std::vector<Vec3<double>> points{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 0.1}};
 const std::vector<Tetrahedron> tetrahedra{{0, 1, 2, 3}, {1, 2, 3, 4}};
@@ -267,5 +267,5 @@ TEST(VtuSeries, GoesOnAfterAFailedStep) {
   EXPECT_NE(pvd.find("timestep=\"2\" part=\"0\" file=\"beam_000001.vtu\""), std::string::npos);
 }
 
-}  // namespace
+}  // namespace write_vtu_test
 }  // namespace softsim::test

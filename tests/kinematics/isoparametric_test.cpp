@@ -14,7 +14,7 @@
 #include "softsim/material/st_venant_kirchhoff.hpp"
 #include "softsim/potential/elastic.hpp"
 
-namespace {
+namespace isoparametric_test {
 
 using bodies::Matrix, bodies::Random, bodies::Vec, bodies::refusal;
 using softsim::Batch, softsim::Local, softsim::QuadraticTetrahedron, softsim::TrilinearHexahedron;
@@ -151,4 +151,4 @@ TEST(TrilinearHexahedron, ItsTwelveEdgesDoNotFixItsShape) {
               1e-15);
 }
 
-}  // namespace
+}  // namespace isoparametric_test

@@ -13,7 +13,7 @@
 #include "softsim/core/batch.hpp"
 #include "softsim/mesh/tetrahedral_mesh.hpp"
 
-namespace {
+namespace linear_tetrahedron_test {
 
 using bodies::Matrix, bodies::Random, bodies::Vec, bodies::refusal;
 using softsim::Batch, softsim::Kinematics, softsim::LinearTetrahedron, softsim::Local, softsim::Mat3;
@@ -206,4 +206,4 @@ TEST(LinearTetrahedron, RefusesFlatAndNonFiniteCorners) {
             std::string::npos);
 }
 
-}  // namespace
+}  // namespace linear_tetrahedron_test

@@ -11,7 +11,7 @@
 
 // Laws continued below a threshold J0, through J = 0 and over inverted deformations.
 
-namespace {
+namespace continued_laws_test {
 
 using namespace law_checks;
 using softsim::Continued;
@@ -237,4 +237,4 @@ TEST(ContinuedLaws, ThresholdLiesBetweenZeroAndOne) {
     }
 }
 
-}  // namespace
+}  // namespace continued_laws_test

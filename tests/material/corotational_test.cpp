@@ -16,7 +16,7 @@
 #include "softsim/kinematics/linear_tetrahedron.hpp"
 #include "softsim/potential/elastic.hpp"
 
-namespace {
+namespace corotational_test {
 
 using law_checks::Deformation, law_checks::Matrix, law_checks::Random, law_checks::Tangent9,
     law_checks::tangent;
@@ -216,4 +216,4 @@ TEST(Corotational, RefusesModuliThatAreNotAdmissible) {
   EXPECT_THROW((void)WarpedStiffness::from_lame(-10, 1), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace corotational_test

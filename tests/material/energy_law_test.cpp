@@ -7,7 +7,7 @@
 
 // Laws that a user gives as an energy alone: the derivatives come from automatic differentiation.
 
-namespace {
+namespace energy_law_test {
 
 using namespace law_checks;
 using softsim::Batch;
@@ -136,4 +136,4 @@ TEST(EnergyLaw, DifferentiatesAnIntricateEnergy) {
   }
 }
 
-}  // namespace
+}  // namespace energy_law_test

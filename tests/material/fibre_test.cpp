@@ -12,7 +12,7 @@
 
 // Fibres of one and two families, alone and in a matrix.
 
-namespace {
+namespace fibre_test {
 
 using namespace law_checks;
 using softsim::Batch, softsim::HolzapfelGasserOgden, softsim::NeoHookean, softsim::SplitHolzapfelGasserOgden;
@@ -371,4 +371,4 @@ TEST(Fibres, RefuseBadParametersAndDirections) {
   EXPECT_NEAR(fibres.along((1 + 5e-7) * a).directions().a[0].norm(), 1, 1e-15);
 }
 
-}  // namespace
+}  // namespace fibre_test

@@ -13,7 +13,7 @@
 
 // Laws in isochoric invariants with every volume law, and laws in the plain invariants with a penalty.
 
-namespace {
+namespace isochoric_laws_test {
 
 using namespace law_checks;
 using softsim::Coupled;
@@ -45,6 +45,8 @@ static_assert(InvariantLaw<IsochoricNeoHookean> && !IsochoricNeoHookean::depends
 const std::vector<AnyLaw>& laws() {
   static const std::vector<AnyLaw> all{
       {"MooneyRivlin", MooneyRivlin::from_young_poisson(3, 0.3, 0.25), InAllScalars{}},
+      {"CoupledMooneyRivlin", CoupledMooneyRivlin::from_young_poisson(3, 0.3, 0.3)},
+      {"IsochoricNeoHookean", IsochoricNeoHookean::from_young_poisson(3, 0.3)},
       {"Yeoh", Yeoh(0.6, -0.1, 0.02, 4)},
       {"Fung", Fung::from_young_poisson(3, 0.45, 0.4)},
       {"VerondaWestmann", VerondaWestmann::from_young_poisson(3, 0.3, 0.5), InAllScalars{}},
@@ -326,4 +328,4 @@ TEST(IsochoricLaws, InadmissibleParametersAreRefusedWithTheModuli) {
   expect_refused([] { SimoTaylorVolume(-3); }, {"Simo-Taylor", "-3 Pa"});
 }
 
-}  // namespace
+}  // namespace isochoric_laws_test

@@ -7,7 +7,7 @@
 
 // A batch of deformations in one call gives, lane by lane, what the same law gives for one deformation.
 
-namespace {
+namespace law_batch_test {
 
 using namespace law_checks;
 using softsim::Batch;
@@ -150,4 +150,4 @@ TYPED_TEST(LawsInBatches, AnInvertedLaneOfNeoHookeanIsNotFiniteAndSpoilsNoOther)
     }
 }
 
-}  // namespace
+}  // namespace law_batch_test

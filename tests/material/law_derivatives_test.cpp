@@ -5,7 +5,7 @@
 // Energy, stress and differential of every law belong together: the first is zero at rest, each of the others
 // is the derivative of the one before it, wherever the law is defined.
 
-namespace {
+namespace law_derivatives_test {
 
 using namespace law_checks;
 using softsim::NeoHookean;
@@ -139,4 +139,4 @@ TEST(NeoHookeanLaw, IsNotFiniteWhereTheDeterminantIsZero) {
   }
 }
 
-}  // namespace
+}  // namespace law_derivatives_test

@@ -8,7 +8,7 @@
 
 // What a law has to be and what its parameters may be.
 
-namespace {
+namespace law_parameters_test {
 
 using namespace law_checks;
 using softsim::Batch;
@@ -215,4 +215,4 @@ TYPED_TEST(LawParameters, RefusesABulkModulusThatIsNotPositiveAndFinite) {
     expect_refused([&] { (void)TypeParam::from_lame(row.lambda, 3); }, {"bulk modulus", row.text, row.bulk});
 }
 
-}  // namespace
+}  // namespace law_parameters_test

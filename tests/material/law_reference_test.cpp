@@ -6,7 +6,7 @@
 // The laws against formulas and numbers that were found another way: closed forms, derivatives with respect
 // to the principal stretches, values of other programs, single elements in 50 digits.
 
-namespace {
+namespace law_reference_test {
 
 using namespace law_checks;
 using softsim::NeoHookean;
@@ -281,4 +281,4 @@ TEST(SingleTetrahedron, EnergyAndForcesAgreeWithFiftyDigits) {
   }
 }
 
-}  // namespace
+}  // namespace law_reference_test

@@ -12,7 +12,7 @@
 #include "softsim/material/st_venant_kirchhoff.hpp"
 #include "softsim/material/stable_neo_hookean.hpp"
 
-namespace {
+namespace law_small_strain_test {
 
 using softsim::Mat3;
 
@@ -48,4 +48,4 @@ TYPED_TEST(SmallStrain, EnergyKeepsItsDigitsInFloat) {
   }
 }
 
-}  // namespace
+}  // namespace law_small_strain_test

@@ -5,7 +5,7 @@
 // What every law has to share: Hooke's law at small strain, indifference to rotations, a symmetric second
 // Piola-Kirchhoff stress.
 
-namespace {
+namespace law_symmetry_test {
 
 using namespace law_checks;
 using softsim::LinearElastic;
@@ -180,4 +180,4 @@ TEST(LinearElasticLaw, IsHookesLawForEveryDeformation) {
   }
 }
 
-}  // namespace
+}  // namespace law_symmetry_test

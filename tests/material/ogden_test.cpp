@@ -4,7 +4,7 @@
 
 #include "material/law_checks.hpp"
 
-namespace {
+namespace ogden_test {
 
 using namespace law_checks;
 using softsim::Batch, softsim::Ogden, softsim::OgdenTerm, softsim::Stretches;
@@ -216,4 +216,4 @@ TEST(Ogden, RefusesParametersByValue) {
   EXPECT_THROW((void)Ogden::from_young_poisson(10, 0.3, 0), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace ogden_test

@@ -5,7 +5,7 @@
 
 // Laws that a user writes: none of the library's has a full set of second derivatives, these have.
 
-namespace {
+namespace own_law_test {
 
 using namespace law_checks;
 using softsim::First;
@@ -208,4 +208,4 @@ TYPED_TEST(Flags, OnlyDropWhatIsZero) {
   }
 }
 
-}  // namespace
+}  // namespace own_law_test

@@ -8,7 +8,7 @@
 #include "material/law_checks.hpp"
 #include "softsim/material/ogden.hpp"
 
-namespace {
+namespace projected_test {
 
 using namespace law_checks;
 using softsim::Batch, softsim::Invariants, softsim::NeoHookean, softsim::Ogden, softsim::Projected,
@@ -156,4 +156,4 @@ TEST(Projected, BatchesInSinglePrecisionAgreeWithDouble) {
   }
 }
 
-}  // namespace
+}  // namespace projected_test

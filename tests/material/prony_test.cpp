@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace {
+namespace prony_test {
 
 using softsim::PronySeries, softsim::PronyTerm, softsim::PronyUpdate;
 
@@ -129,4 +129,4 @@ TEST(PronySeries, RefusesWhatIsNoRelaxation) {
   EXPECT_EQ(refusal({{0.5, 1}, {0.499, 2}}), "");
 }
 
-}  // namespace
+}  // namespace prony_test

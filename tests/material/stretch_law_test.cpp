@@ -6,7 +6,7 @@
 
 // Laws written by a user in principal stretches, beside the same law in invariants.
 
-namespace {
+namespace stretch_law_test {
 
 using namespace law_checks;
 using softsim::Batch, softsim::Stretches, softsim::StVenantKirchhoff;
@@ -188,4 +188,4 @@ TEST(StretchLaw, BatchesAndSinglePrecisionAgreeWithDouble) {
   }
 }
 
-}  // namespace
+}  // namespace stretch_law_test

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace {
+namespace generators_test {
 
 using softsim::Tetrahedron, softsim::TetrahedralMesh, softsim::Triangle, softsim::box_mesh,
     softsim::cylinder_mesh;
@@ -212,4 +212,4 @@ TEST(CylinderMesh, RefusesBadArgumentsByNameAndValue) {
   EXPECT_NE(refusal([] { return cylinder_mesh(1, 1, 2000000000, 1); }).find("32-bit"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace generators_test

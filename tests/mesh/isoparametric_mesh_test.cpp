@@ -19,7 +19,7 @@
 #include "softsim/mesh/quadratic_tetrahedral_mesh.hpp"
 #include "softsim/mesh/selection.hpp"
 
-namespace {
+namespace isoparametric_mesh_test {
 
 using bodies::Matrix, bodies::Random, bodies::Vec, bodies::refusal;
 using softsim::HexahedralMesh, softsim::Hexahedron, softsim::QuadraticTetrahedralMesh;
@@ -240,4 +240,4 @@ TEST(QuadraticTetrahedralMesh, LumpsByTheScaledDiagonal) {
   EXPECT_NEAR(mesh.shape_integrals(0)[0], -1.0 / 20, 1e-15);
 }
 
-}  // namespace
+}  // namespace isoparametric_mesh_test

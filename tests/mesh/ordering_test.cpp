@@ -18,7 +18,7 @@
 #include "softsim/mesh/generators.hpp"
 #include "softsim/potential/elastic.hpp"
 
-namespace {
+namespace ordering_test {
 
 using bodies::refusal;
 using softsim::Order, softsim::TetrahedralMesh, softsim::Tetrahedron;
@@ -193,4 +193,4 @@ TEST(MeshEdges, AreCountedOnceWithTheVolumeAroundThem) {
   EXPECT_NEAR(std::accumulate(all.volume.begin(), all.volume.end(), 0.0), 6 * mixed.volume(), 1e-12);
 }
 
-}  // namespace
+}  // namespace ordering_test

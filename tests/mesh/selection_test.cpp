@@ -12,7 +12,7 @@
 
 #include "softsim/mesh/generators.hpp"
 
-namespace {
+namespace selection_test {
 
 using softsim::Side, softsim::nodes_near;
 using Vec = softsim::Vec3<double>;
@@ -73,4 +73,4 @@ TEST(NodesNear, RefusesADepthOutsideZeroToOne) {
   }
 }
 
-}  // namespace
+}  // namespace selection_test

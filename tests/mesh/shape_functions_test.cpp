@@ -12,7 +12,7 @@
 #include "softsim/mesh/hexahedral_mesh.hpp"
 #include "softsim/mesh/quadratic_tetrahedral_mesh.hpp"
 
-namespace {
+namespace shape_functions_test {
 
 using softsim::BilinearQuadrilateral, softsim::QuadraticTetrahedronShape, softsim::QuadraticTriangle,
     softsim::TrilinearHexahedronShape;
@@ -184,4 +184,4 @@ TEST(Faces, PointOutward) {
   expect_faces_outward<QuadraticTetrahedronShape>();
 }
 
-}  // namespace
+}  // namespace shape_functions_test

@@ -13,7 +13,7 @@
 
 #include "softsim/mesh/generators.hpp"
 
-namespace {
+namespace tetrahedral_mesh_test {
 
 using softsim::Tetrahedron, softsim::TetrahedralMesh, softsim::Triangle;
 using Vec = softsim::Vec3<double>;
@@ -151,4 +151,4 @@ TEST(BoundaryTriangles, EncloseTheBodyWithoutGaps) {
   EXPECT_NEAR(enclosed, 6, 1e-12);
 }
 
-}  // namespace
+}  // namespace tetrahedral_mesh_test

@@ -13,7 +13,7 @@
 #include "potential/bodies.hpp"
 #include "softsim/concepts.hpp"
 
-namespace {
+namespace dead_load_test {
 
 using bodies::Vec, bodies::refusal;
 using softsim::DeadLoad, softsim::State, softsim::Vector, softsim::block;
@@ -118,4 +118,4 @@ TEST(Gravity, RefusesDensitiesByValue) {
             "gravity: 2 densities for 6 tetrahedra");
 }
 
-}  // namespace
+}  // namespace dead_load_test

@@ -11,7 +11,7 @@
 
 // Elastic energy of a whole mesh, for every law.
 
-namespace {
+namespace elastic_test {
 
 using bodies::Matrix, bodies::Vec, bodies::gradient, bodies::hessian_product;
 using softsim::State, softsim::Vector;
@@ -146,4 +146,4 @@ TEST(SmallStrainBody, IsStrainedByARotation) {
   EXPECT_GT(body.energy(bodies::affine_state(mesh, R, Vec::Zero())), 0.1);
 }
 
-}  // namespace
+}  // namespace elastic_test

@@ -17,7 +17,7 @@
 #include "softsim/material/neo_hookean.hpp"
 #include "softsim/potential/elastic.hpp"
 
-namespace {
+namespace elements_test {
 
 using bodies::gradient, bodies::hessian_product, bodies::refusal, bodies::relative_error;
 using softsim::NeoHookean, softsim::State, softsim::TetrahedralMesh, softsim::Vector;
@@ -292,4 +292,4 @@ TEST(Elements, RefuseWhatDoesNotFitByNumberAndValue) {
             "elements: 0 rest data for 5 stencils");
 }
 
-}  // namespace
+}  // namespace elements_test

@@ -10,7 +10,7 @@
 #include "potential/solid_bodies.hpp"
 #include "softsim/mesh/selection.hpp"
 
-namespace {
+namespace face_loads_test {
 
 using bodies::Matrix, bodies::Vec, bodies::gradient, bodies::hessian_product, bodies::random_vector,
     bodies::refusal, bodies::relative_error;
@@ -109,4 +109,4 @@ TYPED_TEST(FaceLoads, RefuseBadInput) {
             "traction on face 1: node -1 is out of range");
 }
 
-}  // namespace
+}  // namespace face_loads_test

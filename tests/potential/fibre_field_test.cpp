@@ -18,7 +18,7 @@
 
 // Laws whose data differ from element to element.
 
-namespace {
+namespace fibre_field_test {
 
 using bodies::Vec, bodies::gradient, bodies::hessian_product, bodies::refusal, bodies::relative_error;
 using softsim::elastic, softsim::FibreField, softsim::HolzapfelGasserOgden, softsim::NeoHookean,
@@ -186,4 +186,4 @@ TEST(FibreReinforcedBlock, IsStiffAlongItsFibres) {
   EXPECT_GT(across, 5 * along);
 }
 
-}  // namespace
+}  // namespace fibre_field_test

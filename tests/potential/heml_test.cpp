@@ -20,7 +20,7 @@
 #include "softsim/system/system.hpp"
 #include "softsim/system/tangent.hpp"
 
-namespace {
+namespace heml_test {
 
 using bodies::gradient, bodies::hessian_product, bodies::relative_error, bodies::Vec;
 using softsim::EdgeLengths, softsim::Heml, softsim::LinearTetrahedron, softsim::Local, softsim::Mat3;
@@ -307,4 +307,4 @@ TEST(Heml, SinglePrecisionCarriesSixDigitsOfASmallMesh) {
             1e-5);
 }
 
-}  // namespace
+}  // namespace heml_test

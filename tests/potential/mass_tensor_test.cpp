@@ -9,7 +9,7 @@
 #include "softsim/material/st_venant_kirchhoff.hpp"
 #include "softsim/potential/elastic.hpp"
 
-namespace {
+namespace mass_tensor_test {
 
 using bodies::gradient, bodies::hessian_product, bodies::relative_error;
 using softsim::Lame, softsim::LinearMassTensor, softsim::MassTensor, softsim::State, softsim::Vector;
@@ -90,4 +90,4 @@ TEST(MassTensor, RefusesModuliThatAreNotAdmissible) {
             "mu -2 Pa: must be positive and finite");
 }
 
-}  // namespace
+}  // namespace mass_tensor_test

@@ -15,7 +15,7 @@
 #include "softsim/potential/elastic.hpp"
 #include "softsim/system/prescribed.hpp"
 
-namespace {
+namespace nodal_volume_test {
 
 using bodies::Matrix, bodies::Vec, bodies::gradient, bodies::hessian_product, bodies::refusal,
     bodies::relative_error;
@@ -239,4 +239,4 @@ TEST(NodalVolume, RefusesWhatItCannotDo) {
             "tetrahedron 2: law index 2 is out of range (there are 2 laws)");
 }
 
-}  // namespace
+}  // namespace nodal_volume_test

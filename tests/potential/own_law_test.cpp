@@ -16,7 +16,7 @@
 
 // A law that a user writes in ten lines, on tetrahedra up to Newton's method.
 
-namespace {
+namespace own_law_test {
 
 struct OfF : softsim::EnergyLaw<OfF> {
   double lambda = 400, mu = 300;
@@ -88,4 +88,4 @@ TYPED_TEST(OwnLawBody, BendsUnderItsWeightAsTheOneDerivedByHand) {
   EXPECT_LT(g.norm(), 1e-9 * load.norm());
 }
 
-}  // namespace
+}  // namespace own_law_test

@@ -11,7 +11,7 @@
 
 #include "potential/bodies.hpp"
 
-namespace {
+namespace pressure_test {
 
 using bodies::Matrix, bodies::Vec, bodies::gradient, bodies::hessian_product, bodies::refusal,
     bodies::relative_error;
@@ -173,4 +173,4 @@ TEST(Pressure, RefusesWhatItCannotActOn) {
             "pressure inf Pa: must be finite");
 }
 
-}  // namespace
+}  // namespace pressure_test

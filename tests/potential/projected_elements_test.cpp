@@ -17,7 +17,7 @@
 #include "softsim/material/stable_neo_hookean.hpp"
 #include "softsim/potential/elastic.hpp"
 
-namespace {
+namespace projected_elements_test {
 
 using softsim::SpdFilter, softsim::State, softsim::TetrahedralMesh;
 using Dense = Eigen::MatrixXd;
@@ -121,4 +121,4 @@ TEST(ProjectedElements, TheCheapTestNeverOverlooksANegativeEigenvalue) {
   check_surely_positive(softsim::NeoHookean::from_young_poisson(10, 0.45));
 }
 
-}  // namespace
+}  // namespace projected_elements_test

@@ -15,7 +15,7 @@
 #include "softsim/potential/dead_load.hpp"
 #include "softsim/system/tangent.hpp"
 
-namespace {
+namespace quadrature_test {
 
 using bodies::Matrix, bodies::Vec, bodies::gradient, bodies::hessian_product, bodies::random_vector,
     bodies::relative_error;
@@ -142,4 +142,4 @@ TYPED_TEST(SolidElements, WeightHasTheRightSumAndMoment) {
   EXPECT_LT((moment - Vec(0.5, 0.5, 0.5).cross(sum)).norm(), 1e-12);
 }
 
-}  // namespace
+}  // namespace quadrature_test

@@ -12,7 +12,7 @@
 
 #include "potential/bodies.hpp"
 
-namespace {
+namespace spring_test {
 
 using bodies::gradient, bodies::hessian_product, bodies::refusal, bodies::relative_error, bodies::Vec;
 using softsim::Edge, softsim::Local, softsim::Spring, softsim::SquaredLengthSpring, softsim::State;
@@ -264,4 +264,4 @@ TEST(Spring, RefusesWhatIsNoSpring) {
             "young -1 Pa: must be positive and finite");
 }
 
-}  // namespace
+}  // namespace spring_test

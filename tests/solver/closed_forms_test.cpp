@@ -19,7 +19,7 @@
 // exactly, so that only the solver's tolerance is left: 1e-10 of the load times a condition number of some
 // hundred. E = 10 Pa, nu = 0.3.
 
-namespace {
+namespace closed_forms_test {
 
 using bodies::Vec;
 using softsim::NeoHookean, softsim::Side, softsim::StableNeoHookean, softsim::State, softsim::Status,
@@ -167,4 +167,4 @@ TEST(FollowerPressure, CompressesACubeEvenly) {
   expect_stretches(q, {s, s, s}, 1e-8);
 }
 
-}  // namespace
+}  // namespace closed_forms_test

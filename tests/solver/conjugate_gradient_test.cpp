@@ -17,7 +17,7 @@
 #include "softsim/system/system.hpp"
 #include "softsim/system/tangent.hpp"
 
-namespace {
+namespace conjugate_gradient_test {
 
 using softsim::ConjugateGradient, softsim::ConjugateGradientWorkspace, softsim::LinearReport, softsim::Status,
     softsim::Vector;
@@ -288,4 +288,4 @@ TEST(Preconditioners, StayPositiveForIndefiniteAndEmptyBlocks) {
   }
 }
 
-}  // namespace
+}  // namespace conjugate_gradient_test

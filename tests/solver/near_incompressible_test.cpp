@@ -9,7 +9,7 @@
 // Short form of the study bench/studies/near_incompressible.cpp. References and their errors (below 0.03 %) stand
 // there.
 
-namespace {
+namespace near_incompressible_test {
 
 using namespace near_incompressible;
 using softsim::State;
@@ -66,4 +66,4 @@ TEST(BondedBlock, TakesALawOnIsochoricInvariants) {
   EXPECT_NEAR(force / references[5].block, 1, 0.03);
 }
 
-}  // namespace
+}  // namespace near_incompressible_test

@@ -20,7 +20,7 @@
 #include "softsim/system/element_fields.hpp"
 #include "softsim/system/system.hpp"
 
-namespace {
+namespace newton_test {
 
 using bodies::Vec, bodies::refusal;
 using softsim::NeoHookean, softsim::Side, softsim::State, softsim::StaticSolver, softsim::Status,
@@ -223,4 +223,4 @@ TEST(Newton, SolvesInSinglePrecision) {
   EXPECT_LT(bodies::relative_error(q.displacement, q_double.displacement), 1e-3);
 }
 
-}  // namespace
+}  // namespace newton_test

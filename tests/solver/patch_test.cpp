@@ -14,7 +14,7 @@
 // Patch test: with every surface node on an affine map the inner nodes of a distorted mesh have to follow it,
 // and the surface has to carry P N A.
 
-namespace {
+namespace patch_test {
 
 using bodies::Matrix, bodies::Vec;
 using softsim::State, softsim::Status, softsim::Vector;
@@ -69,4 +69,4 @@ TYPED_TEST(Patch, StretchAndRotation) {
   this->expect_affine(R * U);
 }
 
-}  // namespace
+}  // namespace patch_test

@@ -11,7 +11,7 @@
 #include "softsim/potential/elastic.hpp"
 #include "softsim/system/system.hpp"
 
-namespace {
+namespace projected_newton_test {
 
 using softsim::Side, softsim::SpdFilter, softsim::State, softsim::Status;
 
@@ -58,4 +58,4 @@ TEST(ProjectedNewton, NearASolutionItIsNewtonsMethod) {
   EXPECT_LT(bodies::relative_error(filtered.q.displacement, plain.q.displacement), 1e-6);
 }
 
-}  // namespace
+}  // namespace projected_newton_test

@@ -11,7 +11,7 @@
 
 #include "potential/bodies.hpp"
 
-namespace {
+namespace block_matrix_test {
 
 using softsim::BlockMatrix, softsim::Vector;
 
@@ -89,4 +89,4 @@ TEST(Packing, DropsTheFourthScalarAndPutsItBack) {
   EXPECT_EQ(softsim::unpack(packed), v);
 }
 
-}  // namespace
+}  // namespace block_matrix_test

@@ -13,7 +13,7 @@
 #include "softsim/material/st_venant_kirchhoff.hpp"
 #include "softsim/material/stable_neo_hookean.hpp"
 
-namespace {
+namespace element_fields_test {
 
 using bodies::Matrix, bodies::Vec;
 using softsim::ElementField, softsim::NeoHookean, softsim::State, softsim::StVenantKirchhoff;
@@ -137,4 +137,4 @@ TEST(ElementFields, RefuseIndicesThatDoNotFit) {
   EXPECT_THROW((void)softsim::element_fields(box, laws, {0, 0, 0, 0, 0, -1}, q), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace element_fields_test

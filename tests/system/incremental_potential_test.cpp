@@ -12,7 +12,7 @@
 #include "softsim/potential/elastic.hpp"
 #include "softsim/system/system.hpp"
 
-namespace {
+namespace incremental_potential_test {
 
 using bodies::Vec, bodies::relative_error;
 using softsim::IncrementalPotential, softsim::Mass, softsim::State, softsim::Vector;
@@ -112,4 +112,4 @@ TEST_P(Increment, ReferenceIsTheExternalLoadOnFreeComponents) {
   EXPECT_LT(load.norm(), 0.95 * std::get<1>(system.terms).force().norm());
 }
 
-}  // namespace
+}  // namespace incremental_potential_test

@@ -12,7 +12,7 @@
 
 #include "potential/bodies.hpp"
 
-namespace {
+namespace mass_test {
 
 using bodies::Vec, bodies::refusal;
 using softsim::Mass, softsim::TetrahedralMesh, softsim::Vector, softsim::block;
@@ -150,4 +150,4 @@ TEST(Mass, RefusesDensitiesByValue) {
             "mass: 3 densities for 6 tetrahedra");
 }
 
-}  // namespace
+}  // namespace mass_test

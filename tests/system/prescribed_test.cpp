@@ -9,7 +9,7 @@
 
 #include "potential/bodies.hpp"
 
-namespace {
+namespace prescribed_test {
 
 using bodies::Vec, bodies::refusal;
 using softsim::Prescribed, softsim::State, softsim::Vector, softsim::block;
@@ -91,4 +91,4 @@ TEST(Prescribed, RefusesPointsAxesAndValuesThatAreNotThere) {
   EXPECT_EQ(refusal([&] { return prescribed.contains(9, 0); }), "prescribed node 9: out of range");
 }
 
-}  // namespace
+}  // namespace prescribed_test

@@ -16,7 +16,7 @@
 
 // What a system makes of hexahedra and ten-node tetrahedra: mass, supports, element fields.
 
-namespace {
+namespace solid_mesh_test {
 
 using bodies::Matrix, bodies::Vec;
 using softsim::Mass, softsim::State, softsim::Vector, softsim::block;
@@ -96,4 +96,4 @@ TEST(SolidFields, JOfAHexahedronIsItsVolumeRatio) {
     EXPECT_NEAR(fields[e].j, moved.volume(e) / rest.volume(e), 1e-14);
 }
 
-}  // namespace
+}  // namespace solid_mesh_test

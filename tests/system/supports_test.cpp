@@ -14,7 +14,7 @@
 #include "softsim/potential/elastic.hpp"
 #include "softsim/system/system.hpp"
 
-namespace {
+namespace supports_test {
 
 using bodies::Vec;
 using softsim::TetrahedralMesh;
@@ -135,4 +135,4 @@ TEST(Supports, AreJudgedBySizeNotByUnit) {
   EXPECT_EQ(refusal(system), "");
 }
 
-}  // namespace
+}  // namespace supports_test

@@ -18,7 +18,7 @@
 #include "softsim/potential/pressure.hpp"
 #include "softsim/system/system.hpp"
 
-namespace {
+namespace tangent_test {
 
 using bodies::relative_error;
 using softsim::AssembledTangent, softsim::Mass, softsim::MatrixFreeTangent, softsim::State,
@@ -233,4 +233,4 @@ TEST(TangentInSinglePrecision, AgreesWithDoubles) {
   EXPECT_LT(relative_error(y_b, y), 2e-6);
 }
 
-}  // namespace
+}  // namespace tangent_test

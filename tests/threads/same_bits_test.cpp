@@ -4,18 +4,21 @@
 #include <omp.h>
 
 #include <cstring>
+#include <utility>
 
 #include "potential/bodies.hpp"
 #include "softsim/integrator/backward_euler.hpp"
 #include "softsim/material/neo_hookean.hpp"
 #include "softsim/potential/elastic.hpp"
 #include "softsim/potential/heml.hpp"
+#include "softsim/potential/prony.hpp"
+#include "softsim/potential/spring.hpp"
 #include "softsim/system/system.hpp"
 #include "softsim/system/tangent.hpp"
 
 // Compiled with OpenMP: whatever the number of threads, every result has the same bits.
 
-namespace {
+namespace same_bits_test {
 
 using bodies::gradient, bodies::hessian_product;
 using softsim::NeoHookean, softsim::State, softsim::TetrahedralMesh, softsim::Vector;
@@ -67,6 +70,45 @@ TEST(Threads, FiniteElementForcesHaveTheSameBits) { expect_the_same_bits(softsim
 TEST(Threads, EdgeLengthForcesHaveTheSameBits) { expect_the_same_bits(softsim::heml(cube, law)); }
 TEST(Threads, SinglePrecisionHasTheSameBits) { expect_the_same_bits(softsim::elastic<float>(cube, law)); }
 
+// Long enough to be summed in pieces.
+template <class T>
+void expect_the_same_dot_product() {
+  const Vector<T> a = bodies::random_vector<T>(20000, 1, 6), b = bodies::random_vector<T>(20000, 1, 7);
+  omp_set_num_threads(1);
+  const double one = softsim::dot(a, b);
+  EXPECT_NEAR(one, a.template cast<double>().dot(b.template cast<double>()), 1e-10);
+  for (const int threads : {2, 3, 4, 7}) {
+    omp_set_num_threads(threads);
+    for (int again = 0; again < 20; ++again) EXPECT_EQ(softsim::dot(a, b), one) << threads;
+  }
+}
+TEST(Threads, LongDotProductsHaveTheSameBits) {
+  expect_the_same_dot_product<double>();
+  expect_the_same_dot_product<float>();
+}
+
+TEST(Threads, SpringsAndElementsThatRememberHaveTheSameBits) {
+  const std::size_t nodes = cube.points().size();
+  const State<double> q = bodies::random_state(nodes, 0.01, 1);
+  const Vector<double> v = bodies::random_vector(nodes, 1, 2);
+  const auto springs = softsim::springs(cube, 50.0);
+  const auto after_a_step = [&](int threads) {
+    omp_set_num_threads(threads);
+    auto viscous = softsim::prony_elements(cube, law, softsim::PronySeries({{0.3, 0.1}}));
+    viscous.begin_step(State<double>(nodes), v, 0.01);
+    viscous.end_step(q, v, 0.01);
+    Vector<double> y = gradient(viscous, q);
+    y += gradient(springs, q);
+    return std::pair(y, viscous.energy(q) + springs.energy(q));
+  };
+  const auto one = after_a_step(1);
+  for (const int threads : {2, 3, 7}) {
+    const auto many = after_a_step(threads);
+    EXPECT_TRUE(same(many.first, one.first)) << threads;
+    EXPECT_EQ(many.second, one.second) << threads;
+  }
+}
+
 TEST(Threads, AnImplicitStepHasTheSameBits) {
   const auto after_three_steps = [](int threads) {
     omp_set_num_threads(threads);
@@ -84,4 +126,4 @@ TEST(Threads, AnImplicitStepHasTheSameBits) {
   EXPECT_TRUE(same(after_three_steps(5), one));
 }
 
-}  // namespace
+}  // namespace same_bits_test

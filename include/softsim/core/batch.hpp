@@ -6,6 +6,10 @@
 #include <cmath>
 #include <type_traits>
 
+#if defined(__AVX__)
+#include <immintrin.h>
+#endif
+
 // With the instruction set the layout of a batch changes: the namespace carries the width, so that objects
 // built with different -march flags do not share symbols.
 #if defined(__AVX512F__)
@@ -39,6 +43,31 @@ struct VectorRegister {
 };
 template <class T>
 using MaskInteger = std::conditional_t<sizeof(T) == 8, long long, int>;
+
+// One bit per lane, set where the lane of a comparison's result is not zero.
+template <class T, int N, class Lanes>
+[[gnu::always_inline]] inline unsigned bits(const Lanes& lanes) {
+#if defined(__AVX512F__)
+  if constexpr (sizeof(Lanes) == 64) {
+    const auto all = reinterpret_cast<__m512i>(lanes);
+    if constexpr (sizeof(T) == 8)
+      return _mm512_test_epi64_mask(all, all);
+    else
+      return _mm512_test_epi32_mask(all, all);
+  }
+#endif
+#if defined(__AVX__)
+  if constexpr (sizeof(Lanes) == 32) {
+    if constexpr (sizeof(T) == 8)
+      return static_cast<unsigned>(_mm256_movemask_pd(reinterpret_cast<__m256d>(lanes)));
+    else
+      return static_cast<unsigned>(_mm256_movemask_ps(reinterpret_cast<__m256>(lanes)));
+  }
+#endif
+  unsigned result = 0;
+  for (int l = 0; l < N; ++l) result |= static_cast<unsigned>(lanes[l] != 0) << l;
+  return result;
+}
 }  // namespace simd_detail
 
 /// Result of comparing two batches lane by lane; goes into `select`, `any`, `all`.
@@ -48,16 +77,8 @@ struct BatchMask {
 
   friend BatchMask operator&(BatchMask a, BatchMask b) { return {a.lanes & b.lanes}; }
   friend BatchMask operator|(BatchMask a, BatchMask b) { return {a.lanes | b.lanes}; }
-  friend bool any(BatchMask m) {
-    for (int l = 0; l < N; ++l)
-      if (m.lanes[l] != 0) return true;
-    return false;
-  }
-  friend bool all(BatchMask m) {
-    for (int l = 0; l < N; ++l)
-      if (m.lanes[l] == 0) return false;
-    return true;
-  }
+  friend bool any(const BatchMask& m) { return simd_detail::bits<T, N>(m.lanes) != 0; }
+  friend bool all(const BatchMask& m) { return simd_detail::bits<T, N>(m.lanes) == (1U << N) - 1; }
 };
 
 /// N scalars of type T (float or double; N a power of two) that every generic function of the library accepts

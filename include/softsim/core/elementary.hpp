@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <type_traits>
 
 #include "softsim/core/batch.hpp"
 
@@ -22,9 +23,9 @@ struct Format;
 template <>
 struct Format<double> {
   static constexpr int fraction_bits = 52;
-  static constexpr long long one = 0x3ff0000000000000, sqrt_half = 0x3fe6a09e667f3bcd;
+  static constexpr unsigned long long one = 0x3ff0000000000000, sqrt_half = 0x3fe6a09e667f3bcd;
   // Adding it to the bits of a small integer n gives the floating-point number magic + n.
-  static constexpr long long magic_bits = 0x4330000000000000;
+  static constexpr unsigned long long magic_bits = 0x4330000000000000;
   static constexpr double magic = 4503599627370496.0, bias = 1023, subnormal_scale = 18014398509481984.0,
                           subnormal_shift = 54;
   static constexpr double ln2_high = 0x1.62e42fefap-1, ln2_low = 0x1.cf79abc9e3b3ap-40;
@@ -41,8 +42,8 @@ struct Format<double> {
 template <>
 struct Format<float> {
   static constexpr int fraction_bits = 23;
-  static constexpr int one = 0x3f800000, sqrt_half = 0x3f3504f3;
-  static constexpr int magic_bits = 0x4b000000;
+  static constexpr unsigned one = 0x3f800000, sqrt_half = 0x3f3504f3;
+  static constexpr unsigned magic_bits = 0x4b000000;
   static constexpr float magic = 8388608.0F, bias = 127, subnormal_scale = 33554432.0F, subnormal_shift = 25;
   static constexpr float ln2_high = 0x1.62e4p-1F, ln2_low = 0x1.7f7d1cp-20F;
   static constexpr float atanh_series[] = {0.66666666554497089F, 0.40000121839806124F, 0.28550820815960665F,
@@ -62,28 +63,42 @@ template <class T, std::size_t n, class B>
   return y;
 }
 
-// x = m 2^k with m in [sqrt(1/2), sqrt(2)), for positive finite x; and 2^-k for normal numbers.
+// Bits of a batch as unsigned integers: on what is not positive or not finite, the arithmetic below wraps around
+// before its result is thrown away.
+template <class T>
+using BitsOf = std::make_unsigned_t<MaskInteger<T>>;
+template <class T, int N>
+using BatchBits = typename VectorRegister<BitsOf<T>, N>::type;
+
+// x = m 2^k with m in [sqrt(1/2), sqrt(2)), and 2^-k, for positive normal x.
 template <class T, int N>
 struct Split {
   Batch<T, N> m, k, scale;
 };
 template <class T, int N>
-[[gnu::always_inline]] inline Split<T, N> split(const Batch<T, N>& positive) {
+[[gnu::always_inline]] inline Split<T, N> split_normal(const Batch<T, N>& x) {
   using B = Batch<T, N>;
   using Register = typename B::Register;
-  using Bits = decltype(BatchMask<T, N>::lanes);
+  using Bits = BatchBits<T, N>;
   using Part = Format<T>;
-  const auto tiny = positive < B(std::numeric_limits<T>::min());
-  const B x = select(tiny, positive * B(Part::subnormal_scale), positive);
   const Bits shifted = reinterpret_cast<Bits>(x.lanes) + (Part::one - Part::sqrt_half);
   const Bits biased = shifted >> Part::fraction_bits;
   const Bits exponent = biased + Part::magic_bits;
   const Bits scale = 2 * Part::one - (biased << Part::fraction_bits);
-  const Bits fraction = (shifted & ((decltype(Part::one){1} << Part::fraction_bits) - 1)) + Part::sqrt_half;
+  const Bits fraction = (shifted & ((BitsOf<T>{1} << Part::fraction_bits) - 1)) + Part::sqrt_half;
   return {B(reinterpret_cast<Register>(fraction)),
-          B(reinterpret_cast<Register>(exponent)) - B(Part::magic + Part::bias) -
-              select(tiny, B(Part::subnormal_shift), B(0)),
+          B(reinterpret_cast<Register>(exponent)) - B(Part::magic + Part::bias),
           B(reinterpret_cast<Register>(scale))};
+}
+// The same for all positive finite x; `scale` holds for normal numbers only.
+template <class T, int N>
+[[gnu::always_inline]] inline Split<T, N> split(const Batch<T, N>& x) {
+  using B = Batch<T, N>;
+  using Part = Format<T>;
+  const auto tiny = x < B(std::numeric_limits<T>::min());
+  Split<T, N> parts = split_normal(select(tiny, x * B(Part::subnormal_scale), x));
+  parts.k -= select(tiny, B(Part::subnormal_shift), B(0));
+  return parts;
 }
 
 // log of (1 + f) 2^k with s = f/(2 + f): log(1 + f) = 2 atanh(s), arranged so that the rounding of s counts
@@ -117,19 +132,22 @@ struct LogAndInverse {
 };
 
 /// Natural logarithm and inverse of every lane for the price of one division, the inverse to about two units
-/// in the last place; as `log` and a division would give them outside the positive finite numbers.
+/// in the last place; as `log` and a division would give them outside the positive normal numbers.
 template <class T, int N>
 [[nodiscard, gnu::always_inline]] inline LogAndInverse<Batch<T, N>> log_and_inverse(const Batch<T, N>& x) {
   using B = Batch<T, N>;
-  const auto [m, k, scale] = simd_detail::split(x);
+  const auto [m, k, scale] = simd_detail::split_normal(x);
   // One inverse for both: 1/m = p/(m p) and 1/p = m/(m p).
   const B p = m + B(1), r = B(1) / (m * p), f = m - B(1), s = f * m * r;
-  const B y = simd_detail::log_of_parts(f, s, k), inverse = p * r * scale;
-  const B infinity(std::numeric_limits<T>::infinity());
-  const B outside = select(x == B(0), -infinity, select(x == infinity, x, B(std::numeric_limits<T>::quiet_NaN())));
-  const auto usual = (x > B(0)) & (x < infinity);
-  const B largest(T(1) / std::numeric_limits<T>::min());  // beyond it the scale is no normal number
-  return {select(usual, y, outside), select((x >= B(std::numeric_limits<T>::min())) & (x < largest), inverse, B(1) / x)};
+  LogAndInverse<B> y{simd_detail::log_of_parts(f, s, k), p * r * scale};
+  // Between these both are right. Outside, which an admissible deformation never is, it may take longer.
+  constexpr T least = std::numeric_limits<T>::min(), beyond = 1 / least;
+  const auto usual = (x >= B(least)) & (x < B(beyond));
+  if (!all(usual)) [[unlikely]] {
+    y.log = select(usual, y.log, log(x));
+    y.inverse = select(usual, y.inverse, B(1) / x);
+  }
+  return y;
 }
 
 /// log(1 + x) of every lane, with its digits for small x; -inf at -1, NaN below.
@@ -158,7 +176,7 @@ template <class T, int N>
 [[nodiscard, gnu::always_inline]] inline Batch<T, N> inverse_cbrt(const Batch<T, N>& x) {
   using B = Batch<T, N>;
   using Register = typename B::Register;
-  using Bits = decltype(BatchMask<T, N>::lanes);
+  using Bits = simd_detail::BatchBits<T, N>;
   using Part = simd_detail::Format<T>;
   const auto [m, k, inverse_power] = simd_detail::split(x);
   B y = simd_detail::polynomial(Part::inverse_cbrt_series, m - B(1));

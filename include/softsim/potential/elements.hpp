@@ -15,6 +15,7 @@
 #include "softsim/concepts.hpp"
 #include "softsim/core/error.hpp"
 #include "softsim/core/gather.hpp"
+#include "softsim/mesh/ordering.hpp"
 
 // Everything that a loop over chunks calls is inlined into it by force: with g++ a batch is else handed over
 // through memory, which costs two to four times the arithmetic. Not where sanitizers multiply the code.
@@ -99,8 +100,9 @@ struct Stored<Remembered<D, T>> {
 
 /// A set of like stencils, evaluated N at a time on SIMD lanes (N = 1: one at a time): the only place that
 /// gathers unknowns and scatters forces. Stencils are sorted by model, so that every chunk of N shares its
-/// parameters, and cut into stretches that are worked off colour by colour: with OpenMP in parallel, and with
-/// the same bits for any number of threads. Lanes left over at the end of a stretch repeat a real stencil and
+/// parameters, and cut into stretches, within which neighbours in a chunk share no block where that can be had.
+/// Stretches are worked off colour by colour: with OpenMP in parallel, and with the same bits for any number of
+/// threads. Lanes left over at the end of a stretch repeat a real stencil and
 /// are not scattered. One object serves one caller at a time. Models `ForceTerm`, and `Potential` where E has
 /// an energy. T is float or double.
 template <class E, class T = double, int N = default_lanes<T>>
@@ -309,6 +311,7 @@ class Elements {
         const std::size_t end = std::min(k + stretch_length, members[m].size());
         parts.emplace_back(members[m].begin() + static_cast<std::ptrdiff_t>(k),
                            members[m].begin() + static_cast<std::ptrdiff_t>(end));
+        spread(parts.back(), stencils);
         model_of.push_back(m);
       }
     std::vector<std::vector<std::int32_t>> touched(parts.size());
@@ -351,6 +354,26 @@ class Elements {
     }
     colour_begin_.push_back(stretches_.size());
     number_stencils();
+  }
+
+  // Puts stencils side by side that share no block, as far as there are such: a lane that adds to what the lane
+  // before it has just written waits for it, which costs a force on tetrahedra a tenth of its time.
+  static void spread(std::vector<std::size_t>& part, const std::vector<Stencil>& stencils) {
+    if constexpr (N > 1) {
+      std::vector<std::int32_t> touched;  // numbered by their places here, the list of users stays short
+      for (const std::size_t e : part) touched.insert(touched.end(), stencils[e].begin(), stencils[e].end());
+      std::sort(touched.begin(), touched.end());
+      touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+      std::vector<Stencil> own;
+      for (const std::size_t e : part) {
+        own.push_back(stencils[e]);
+        for (std::int32_t& b : own.back())
+          b = static_cast<std::int32_t>(std::lower_bound(touched.begin(), touched.end(), b) - touched.begin());
+      }
+      const std::vector<std::size_t> before = part;
+      std::size_t k = 0;
+      for (const std::int32_t i : stencil_order(own)) part[k++] = before[static_cast<std::size_t>(i)];
+    }
   }
 
   void number_stencils() {

@@ -14,7 +14,6 @@
 #include "softsim/core/batch.hpp"
 #include "softsim/core/error.hpp"
 #include "softsim/mesh/edges.hpp"
-#include "softsim/mesh/ordering.hpp"
 #include "softsim/mesh/tetrahedral_mesh.hpp"
 #include "softsim/potential/elements.hpp"
 
@@ -156,7 +155,7 @@ struct SquaredLengthSpring : SpringLink {
 };
 
 /// Springs on all edges of `mesh`, each with the stiffness of the same place in `stiffness`, in N/m, the
-/// edges being those of `mesh_edges`. They are stored so that neighbours in a batch share no node.
+/// edges being for instance those of `mesh_edges`.
 /// @throws std::invalid_argument naming the edge whose stiffness is not positive and finite or whose nodes do
 /// not
 ///   exist, or for a list of another length
@@ -170,9 +169,9 @@ template <class S = Spring, class T = double, int N = default_lanes<T>>
   std::vector<Edge> stencils;
   data.reserve(edges.size());
   stencils.reserve(edges.size());
-  for (const std::int32_t e : stencil_order(edges)) {
-    const Edge& v = edges[static_cast<std::size_t>(e)];
-    const double k = stiffness[static_cast<std::size_t>(e)];
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    const Edge& v = edges[e];
+    const double k = stiffness[e];
     for (const std::int32_t i : v)
       if (i < 0 || static_cast<std::size_t>(i) >= mesh.points().size())
         invalid(std::string("spring between nodes ") + std::to_string(v[0]) + " and " + std::to_string(v[1]) +
