@@ -93,8 +93,8 @@ void add(const std::string& what, K, const std::string& route, int n, Function f
   add_named<typename K::T>(what, law_name<typename K::Law>, route, n, f);
 }
 
-/// CPU time of this thread, s: the wall clock of a shared machine counts others' work. With OpenMP it has to be the
-/// wall clock.
+/// CPU time of this thread, s: the wall clock of a shared machine counts others' work. With OpenMP it has to
+/// be the wall clock.
 inline double seconds() {
   timespec t;
 #ifdef _OPENMP

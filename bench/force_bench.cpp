@@ -67,7 +67,8 @@ struct ElementsCase {
   static Vec3<double> rest(const Vec3<double>& X) { return X; }
 };
 
-/// Relative error of a force: from positions in single precision a fine mesh loses digits, from displacements not.
+/// Relative error of a force: from positions in single precision a fine mesh loses digits, from displacements
+/// not.
 template <class T>
 double allowed(const std::string& route) {
   return sizeof(T) == 4 && route == "f" ? 3e-6 : rounding<T>;
@@ -89,7 +90,8 @@ struct VolumeForce {
     Mat3<T> e;
     for (int i = 0; i < 3; ++i) e.col(i) = x.points[static_cast<std::size_t>(i) + 1] - x.points[0];
     const Mat3<T> c = cofactor(e);
-    const T p = T(1.0 / 6) * law.first(Invariants<T>{T(3), T(3), data.inverse_det * e.col(0).dot(c.col(0))}).wj;
+    const T p =
+        T(1.0 / 6) * law.first(Invariants<T>{T(3), T(3), data.inverse_det * e.col(0).dot(c.col(0))}).wj;
     Eigen::Matrix<T, 12, 1> f;
     for (int i = 0; i < 3; ++i) f.template segment<3>(3 * i + 3) = p * c.col(i);
     f.template head<3>().setZero();  // is not asked for
@@ -148,7 +150,8 @@ struct ByMeshEdges {
   static NeoHookean law() { return Kind<NeoHookean, double>::law(); }
   static Elements<VolumeForce<NeoHookean>> make_volumes(int n) {
     std::vector<VolumeForce<NeoHookean>::Data<double>> data;
-    for (std::size_t t = 0; t < cube(n).tetrahedra().size(); ++t) data.push_back({1 / (6 * cube(n).volume(t))});
+    for (std::size_t t = 0; t < cube(n).tetrahedra().size(); ++t)
+      data.push_back({1 / (6 * cube(n).volume(t))});
     return {{{law()}}, data, cube(n).tetrahedra(), {}, cube(n).points()};
   }
   static Elements<LinearEdge> make_edges(int n) {

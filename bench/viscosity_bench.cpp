@@ -52,7 +52,8 @@ struct ViscousCase {
     v = y = Vector<T>::Zero(q[0].size());
     for (int k = 0; k < 3; ++k) step();
     const ReferenceSteps reference(n);
-    error = relative_error(packed(y), Where::name == InElements::name ? reference.force() : reference.nodal());
+    error =
+        relative_error(packed(y), Where::name == InElements::name ? reference.force() : reference.nodal());
   }
   void step() {
     term.begin_step(q[at], v, 0);

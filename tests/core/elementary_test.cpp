@@ -40,7 +40,8 @@ class Elementary : public ::testing::Test {
  private:
   std::mt19937 generator_{8};
 };
-using Batches = ::testing::Types<Batch<double, 4>, Batch<double, 8>, Batch<float, 4>, Batch<float, 8>>;
+using Batches =
+    ::testing::Types<Batch<double, 4>, Batch<double, 8>, Batch<float, 4>, Batch<float, 8>, Batch<float, 16>>;
 TYPED_TEST_SUITE(Elementary, Batches);
 
 TYPED_TEST(Elementary, AreRightToTheLastPlaces) {
@@ -99,6 +100,38 @@ TYPED_TEST(Elementary, TreatTheEdgesOfTheirDomainsAsTheScalarsDo) {
   EXPECT_EQ(lane(inverse_cbrt(B(0)), 1), infinity);
   EXPECT_EQ(lane(inverse_cbrt(B(infinity)), 1), 0);
   EXPECT_TRUE(std::isnan(lane(inverse_cbrt(B(-8)), 1)));
+}
+
+// One lane that is not positive and normal among ordinary ones changes none of their bits.
+TYPED_TEST(Elementary, KeepTheBitsOfOrdinaryLanesBesideOthers) {
+  using B = TypeParam;
+  using T = typename TestFixture::Scalar;
+  using Limits = std::numeric_limits<T>;
+  const T beyond = 1 / Limits::min(), infinity = Limits::infinity();
+  const B ordinary = this->sample(2);
+  const auto alone = log_and_inverse(ordinary);
+  for (const T x : {T(0), T(-1), infinity, Limits::quiet_NaN(), Limits::min(), Limits::min() / 2, Limits::max(),
+                    beyond, std::nextafter(beyond, T(0)), std::nextafter(beyond, infinity)}) {
+    for (int odd = 0; odd < lane_count<B>; ++odd) {
+      B mixed = ordinary;
+      softsim::set_lane(mixed, odd, x);
+      const auto both = log_and_inverse(mixed);
+      for (int l = 0; l < lane_count<B>; ++l) {
+        if (l == odd) continue;
+        EXPECT_EQ(lane(both.log, l), lane(alone.log, l)) << x;
+        EXPECT_EQ(lane(both.inverse, l), lane(alone.inverse, l)) << x;
+      }
+      if (!(x > 0 && x < infinity)) {
+        EXPECT_FALSE(std::isfinite(lane(both.log, odd))) << x;
+        continue;
+      }
+      EXPECT_LT(this->ulps(lane(both.log, odd), std::log(static_cast<long double>(x))), 1.1) << x;
+      const long double inverse = 1 / static_cast<long double>(x);
+      if (inverse < static_cast<long double>(Limits::max())) {
+        EXPECT_LT(this->ulps(lane(both.inverse, odd), inverse), 2.6) << x;
+      }
+    }
+  }
 }
 
 TEST(ElementaryScalars, AreThoseOfTheStandardLibrary) {

@@ -87,7 +87,7 @@ TEST(MassTensor, RefusesModuliThatAreNotAdmissible) {
   EXPECT_EQ(bodies::refusal([] {
               return softsim::mass_tensors(cube, Lame{1, -2});
             }),
-            "mu -2 Pa: must be positive and finite");
+            "mu -2 Pa: the shear modulus must be positive and finite (bulk modulus -0.333333333 Pa)");
 }
 
 }  // namespace mass_tensor_test

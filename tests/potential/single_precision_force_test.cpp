@@ -11,8 +11,8 @@
 #include "softsim/material/stable_neo_hookean.hpp"
 #include "softsim/potential/elastic.hpp"
 
-// A fine mesh in single precision: differences of displacements lose nothing, differences of positions would lose the
-// ratio of the body to an element.
+// A fine mesh in single precision: differences of displacements lose nothing, differences of positions would
+// lose the ratio of the body to an element.
 
 namespace single_precision_force_test {
 

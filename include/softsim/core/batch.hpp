@@ -45,10 +45,10 @@ template <class T>
 using MaskInteger = std::conditional_t<sizeof(T) == 8, long long, int>;
 
 // One bit per lane, set where the lane of a comparison's result is not zero.
-template <class T, int N, class Lanes>
-[[gnu::always_inline]] inline unsigned bits(const Lanes& lanes) {
+template <class T, int N>
+[[gnu::always_inline]] inline unsigned bits(const typename VectorRegister<MaskInteger<T>, N>::type& lanes) {
 #if defined(__AVX512F__)
-  if constexpr (sizeof(Lanes) == 64) {
+  if constexpr (sizeof(T) * N == 64) {
     const auto all = reinterpret_cast<__m512i>(lanes);
     if constexpr (sizeof(T) == 8)
       return _mm512_test_epi64_mask(all, all);
@@ -57,7 +57,7 @@ template <class T, int N, class Lanes>
   }
 #endif
 #if defined(__AVX__)
-  if constexpr (sizeof(Lanes) == 32) {
+  if constexpr (sizeof(T) * N == 32) {
     if constexpr (sizeof(T) == 8)
       return static_cast<unsigned>(_mm256_movemask_pd(reinterpret_cast<__m256d>(lanes)));
     else
@@ -78,15 +78,15 @@ struct BatchMask {
   friend BatchMask operator&(BatchMask a, BatchMask b) { return {a.lanes & b.lanes}; }
   friend BatchMask operator|(BatchMask a, BatchMask b) { return {a.lanes | b.lanes}; }
   friend bool any(const BatchMask& m) { return simd_detail::bits<T, N>(m.lanes) != 0; }
-  friend bool all(const BatchMask& m) { return simd_detail::bits<T, N>(m.lanes) == (1U << N) - 1; }
+  friend bool all(const BatchMask& m) { return simd_detail::bits<T, N>(m.lanes) == ~0U >> (32 - N); }
 };
 
-/// N scalars of type T (float or double; N a power of two) that every generic function of the library accepts
-/// in place of one scalar: arithmetic acts lane by lane in the compiler's vector registers. Functions that
-/// take decisions use `select(mask, a, b)` instead of a branch.
+/// N scalars of type T (float or double; N a power of two up to 32) that every generic function of the
+/// library accepts in place of one scalar: arithmetic acts lane by lane in the compiler's vector registers.
+/// Functions that take decisions use `select(mask, a, b)` instead of a branch.
 template <class T, int N>
 struct Batch {
-  static_assert(std::is_floating_point_v<T> && N >= 2 && (N & (N - 1)) == 0);
+  static_assert(std::is_floating_point_v<T> && N >= 2 && N <= 32 && (N & (N - 1)) == 0);
   using Register = typename simd_detail::VectorRegister<T, N>::type;
   using Mask = BatchMask<T, N>;
 

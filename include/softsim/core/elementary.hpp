@@ -9,9 +9,10 @@
 
 #include "softsim/core/batch.hpp"
 
-// Logarithms, inverse cube roots and exp(x) - 1 of batches. They are written out because a constitutive law spends most
-// of its arithmetic here: Eigen's logarithm is a call through memory, which costs a Neo-Hookean force as much
-// as the rest of the tetrahedron. No branch, every lane takes the same way.
+// Logarithms, inverse cube roots and exp(x) - 1 of batches. They are written out because a constitutive law
+// spends most of its arithmetic here: Eigen's logarithm is a call through memory, which costs a Neo-Hookean
+// force as much as the rest of the tetrahedron. Every lane takes the same way; the one branch serves lanes
+// that no admissible deformation has, and leaves the others their bits.
 
 namespace softsim {
 inline namespace SOFTSIM_SIMD_NAMESPACE {
@@ -63,8 +64,8 @@ template <class T, std::size_t n, class B>
   return y;
 }
 
-// Bits of a batch as unsigned integers: on what is not positive or not finite, the arithmetic below wraps around
-// before its result is thrown away.
+// Bits of a batch as unsigned integers: on what is not positive or not finite, the arithmetic below wraps
+// around before its result is thrown away.
 template <class T>
 using BitsOf = std::make_unsigned_t<MaskInteger<T>>;
 template <class T, int N>
@@ -121,7 +122,8 @@ template <class T, int N>
   const auto [m, k, scale] = simd_detail::split(x);
   const B f = m - B(1), y = simd_detail::log_of_parts(f, f / (m + B(1)), k);
   const B infinity(std::numeric_limits<T>::infinity());
-  const B outside = select(x == B(0), -infinity, select(x == infinity, x, B(std::numeric_limits<T>::quiet_NaN())));
+  const B outside =
+      select(x == B(0), -infinity, select(x == infinity, x, B(std::numeric_limits<T>::quiet_NaN())));
   return select((x > B(0)) & (x < infinity), y, outside);
 }
 
@@ -198,7 +200,9 @@ template <class T, int N>
 /// x^(-1/3) for x > 0; inf at 0, NaN below.
 template <class T>
 requires std::is_floating_point_v<T>
-[[nodiscard]] T inverse_cbrt(T x) { return x < T(0) ? std::numeric_limits<T>::quiet_NaN() : T(1) / std::cbrt(x); }
+[[nodiscard]] T inverse_cbrt(T x) {
+  return x < T(0) ? std::numeric_limits<T>::quiet_NaN() : T(1) / std::cbrt(x);
+}
 
 /// Natural logarithm and inverse of x.
 template <class T>

@@ -18,8 +18,8 @@ struct Lame {
   [[nodiscard]] static Lame checked(double lambda, double mu) {
     const double bulk = lambda + 2 * mu / 3;
     if (!(mu > 0) || !(mu <= 1e300))
-      invalid(std::string("mu ") + to_text(mu) + " Pa: the shear modulus must be positive and finite (bulk modulus " +
-              to_text(bulk) + " Pa)");
+      invalid(std::string("mu ") + to_text(mu) +
+              " Pa: the shear modulus must be positive and finite (bulk modulus " + to_text(bulk) + " Pa)");
     if (!(bulk > 0) || !(bulk <= 1e300))
       invalid(std::string("lambda ") + to_text(lambda) +
               " Pa: bulk modulus lambda + 2 mu/3 = " + to_text(bulk) + " Pa must be positive and finite");

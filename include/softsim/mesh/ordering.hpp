@@ -16,8 +16,8 @@
 #include "softsim/mesh/element_mesh.hpp"
 
 // The order of nodes and elements in memory. What is close in the body should be close in memory, so that
-// gathered blocks come from the cache; and elements that are evaluated side by side should share no node,
-// because two additions to one node in a row wait for each other.
+// gathered blocks come from the cache. (Elements that are evaluated side by side should share no node either,
+// because two additions to one node in a row wait for each other; `Elements` sees to that by itself.)
 //
 //   const TetrahedralMesh compact = renumbered(mesh, reverse_cuthill_mckee(mesh));
 //   const TetrahedralMesh fast = reordered(compact, element_order(compact));

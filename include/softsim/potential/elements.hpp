@@ -100,11 +100,11 @@ struct Stored<Remembered<D, T>> {
 
 /// A set of like stencils, evaluated N at a time on SIMD lanes (N = 1: one at a time): the only place that
 /// gathers unknowns and scatters forces. Stencils are sorted by model, so that every chunk of N shares its
-/// parameters, and cut into stretches, within which neighbours in a chunk share no block where that can be had.
-/// Stretches are worked off colour by colour: with OpenMP in parallel, and with the same bits for any number of
-/// threads. Lanes left over at the end of a stretch repeat a real stencil and
-/// are not scattered. One object serves one caller at a time. Models `ForceTerm`, and `Potential` where E has
-/// an energy. T is float or double.
+/// parameters, and cut into stretches, within which neighbours in a chunk share no block where that can be
+/// had. Stretches are worked off colour by colour: with OpenMP in parallel, and with the same bits for any
+/// number of threads. Lanes left over at the end of a stretch repeat a real stencil and are not scattered.
+/// One object serves one caller at a time. Models `ForceTerm`, and `Potential` where E has an energy. T is
+/// float or double.
 template <class E, class T = double, int N = default_lanes<T>>
 class Elements {
  public:
@@ -356,8 +356,8 @@ class Elements {
     number_stencils();
   }
 
-  // Puts stencils side by side that share no block, as far as there are such: a lane that adds to what the lane
-  // before it has just written waits for it, which costs a force on tetrahedra a tenth of its time.
+  // Puts stencils side by side that share no block, as far as there are such: a lane that adds to what the
+  // lane before it has just written waits for it, which costs a force on tetrahedra a tenth of its time.
   static void spread(std::vector<std::size_t>& part, const std::vector<Stencil>& stencils) {
     if constexpr (N > 1) {
       std::vector<std::int32_t> touched;  // numbered by their places here, the list of users stays short
@@ -368,7 +368,8 @@ class Elements {
       for (const std::size_t e : part) {
         own.push_back(stencils[e]);
         for (std::int32_t& b : own.back())
-          b = static_cast<std::int32_t>(std::lower_bound(touched.begin(), touched.end(), b) - touched.begin());
+          b = static_cast<std::int32_t>(std::lower_bound(touched.begin(), touched.end(), b) -
+                                        touched.begin());
       }
       const std::vector<std::size_t> before = part;
       std::size_t k = 0;
