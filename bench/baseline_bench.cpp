@@ -7,6 +7,7 @@
 
 #include "common.hpp"
 #include "reference.hpp"
+#include "softsim/potential/mass_tensor.hpp"
 
 // What a hyperelastic solid is to be weighed against: springs, mass tensors and corotational elements; and
 // what the filter of a projected tangent adds to its assembly.

@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-// Everything but the optional headers in io/ and ext/. Each header below also stands alone.
+// What a program with linear tetrahedra needs. Each header below also stands alone. Include by name, where they are
+// used: io/; hexahedra and ten-node tetrahedra (potential/quadrature.hpp with their meshes in mesh/); averaged nodal
+// volumes (potential/nodal_volume.hpp); mass tensors and the paper's form of HEML (potential/mass_tensor.hpp,
+// potential/edge_lengths.hpp). They would make every program's compilation a quarter longer.
 
 #include "softsim/concepts.hpp"
 #include "softsim/core/batch.hpp"
@@ -20,10 +23,7 @@
 #include "softsim/integrator/backward_euler.hpp"
 #include "softsim/integrator/semi_explicit_euler.hpp"
 #include "softsim/integrator/static_solver.hpp"
-#include "softsim/kinematics/isoparametric.hpp"
 #include "softsim/kinematics/linear_tetrahedron.hpp"
-#include "softsim/kinematics/quadratic_tetrahedron.hpp"
-#include "softsim/kinematics/trilinear_hexahedron.hpp"
 #include "softsim/material/continued.hpp"
 #include "softsim/material/corotational.hpp"
 #include "softsim/material/coupled.hpp"
@@ -56,23 +56,18 @@
 #include "softsim/mesh/hexahedral_mesh.hpp"
 #include "softsim/mesh/isoparametric_mesh.hpp"
 #include "softsim/mesh/ordering.hpp"
-#include "softsim/mesh/quadratic_tetrahedral_mesh.hpp"
 #include "softsim/mesh/selection.hpp"
 #include "softsim/mesh/shape_functions.hpp"
 #include "softsim/mesh/tetrahedral_mesh.hpp"
 #include "softsim/potential/dead_load.hpp"
-#include "softsim/potential/edge_lengths.hpp"
 #include "softsim/potential/elastic.hpp"
 #include "softsim/potential/elements.hpp"
 #include "softsim/potential/face_loads.hpp"
 #include "softsim/potential/heml.hpp"
 #include "softsim/potential/kelvin_voigt.hpp"
-#include "softsim/potential/mass_tensor.hpp"
 #include "softsim/potential/memory_elements.hpp"
-#include "softsim/potential/nodal_volume.hpp"
 #include "softsim/potential/pressure.hpp"
 #include "softsim/potential/prony.hpp"
-#include "softsim/potential/quadrature.hpp"
 #include "softsim/potential/spring.hpp"
 #include "softsim/solver/conjugate_gradient.hpp"
 #include "softsim/solver/newton.hpp"
