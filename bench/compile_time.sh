@@ -1,6 +1,6 @@
 #!/bin/sh
 # Compares the time to compile <softsim/softsim.hpp> with that of <Eigen/Dense> and <Eigen/Sparse> alone, on g++ and
-# clang++: parsing only, and a full -O2 compilation; medians of five alternating runs. Exits with 1 if softsim costs more
+# clang++: parsing only, and a full -O2 compilation; the least of five alternating runs. Exits with 1 if softsim costs more
 # than 2.5 times as much anywhere. Arguments: the compilers to ask (default: g++ clang++).
 # SPDX-License-Identifier: MIT
 set -eu
