@@ -127,7 +127,7 @@ inline std::vector<Vec3<double>> box_points(const std::array<int, 3>& cells, con
 }
 
 /// The same box with one hexahedron per cell: nodes, order and errors as for `box_mesh`.
-// A template, so that programs without hexahedra do not compile their mesh: a tenth of the umbrella's time and more.
+// A template, so that programs without hexahedra do not compile their mesh.
 template <class Mesh = HexahedralMesh>
 requires std::same_as<Mesh, HexahedralMesh>
 [[nodiscard]] Mesh box_hexahedra(const std::array<int, 3>& cells, const Vec3<double>& lengths,
