@@ -40,8 +40,8 @@ class Elementary : public ::testing::Test {
  private:
   std::mt19937 generator_{8};
 };
-using Batches =
-    ::testing::Types<Batch<double, 4>, Batch<double, 8>, Batch<float, 4>, Batch<float, 8>, Batch<float, 16>>;
+using Batches = ::testing::Types<Batch<double, 2>, Batch<double, 4>, Batch<double, 8>, Batch<float, 4>,
+                                 Batch<float, 8>, Batch<float, 16>>;
 TYPED_TEST_SUITE(Elementary, Batches);
 
 TYPED_TEST(Elementary, AreRightToTheLastPlaces) {

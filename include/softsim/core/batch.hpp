@@ -6,7 +6,7 @@
 #include <cmath>
 #include <type_traits>
 
-#if defined(__AVX__)
+#if defined(__SSE2__)
 #include <immintrin.h>
 #endif
 
@@ -19,24 +19,18 @@
 #define SOFTSIM_SIMD_BYTES 32
 #define SOFTSIM_SIMD_NAMESPACE simd256
 #else
-#define SOFTSIM_SIMD_BYTES 32  // two 128-bit registers: still twice as fast as one element at a time
+#define SOFTSIM_SIMD_BYTES 16
 #define SOFTSIM_SIMD_NAMESPACE simd128
-#endif
-
-#if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wpsabi"  // wide vectors are only passed between inline functions
 #endif
 
 namespace softsim {
 inline namespace SOFTSIM_SIMD_NAMESPACE {
 
 namespace simd_detail {
-// A trait of its own: as a member typedef of Batch, g++ 12 drops the attribute. Without aligned(16) clang 14
-// rejects Eigen::Matrix<Batch, ...> where the target has no register of that size.
+// A trait of its own: as a member typedef of Batch, g++ 12 drops the attribute.
 template <class T, int N>
 struct VectorRegister {
-  typedef T type __attribute__((vector_size(sizeof(T) * N), aligned(16)));
+  typedef T type __attribute__((vector_size(sizeof(T) * N)));
   // For reading and writing at any address in one instruction: for memcpy g++ may take two halves and a
   // detour through the stack, where the halves written last are slow to read as one.
   typedef T in_memory __attribute__((vector_size(sizeof(T) * N), aligned(alignof(T)), may_alias));
@@ -64,10 +58,23 @@ template <class T, int N>
       return static_cast<unsigned>(_mm256_movemask_ps(reinterpret_cast<__m256>(lanes)));
   }
 #endif
+#if defined(__SSE2__)
+  if constexpr (sizeof(T) * N == 16) {
+    if constexpr (sizeof(T) == 8)
+      return static_cast<unsigned>(_mm_movemask_pd(reinterpret_cast<__m128d>(lanes)));
+    else
+      return static_cast<unsigned>(_mm_movemask_ps(reinterpret_cast<__m128>(lanes)));
+  }
+#endif
   unsigned result = 0;
   for (int l = 0; l < N; ++l) result |= static_cast<unsigned>(lanes[l] != 0) << l;
   return result;
 }
+
+// More lanes than a register has. Such a batch is two of half the size: left to the compiler, g++ keeps a
+// vector without a register of its size in memory, which costs more than one element at a time.
+template <class T, int N>
+inline constexpr bool is_wide = sizeof(T) * N > SOFTSIM_SIMD_BYTES;
 }  // namespace simd_detail
 
 /// Result of comparing two batches lane by lane; goes into `select`, `any`, `all`.
@@ -170,8 +177,71 @@ struct Batch {
   }
 };
 
-/// Lanes that fill the vector registers the compiler was given: 8 doubles or 16 floats with AVX-512, half
-/// of that without.
+template <class T, int N>
+requires simd_detail::is_wide<T, N>
+struct BatchMask<T, N> {
+  BatchMask<T, N / 2> low, high;
+
+  friend BatchMask operator&(const BatchMask& a, const BatchMask& b) {
+    return {a.low & b.low, a.high & b.high};
+  }
+  friend BatchMask operator|(const BatchMask& a, const BatchMask& b) {
+    return {a.low | b.low, a.high | b.high};
+  }
+  friend bool any(const BatchMask& m) { return any(m.low | m.high); }
+  friend bool all(const BatchMask& m) { return all(m.low & m.high); }
+};
+
+template <class T, int N>
+requires simd_detail::is_wide<T, N>
+struct Batch<T, N> {
+  static_assert(std::is_floating_point_v<T> && N <= 32 && (N & (N - 1)) == 0);
+  using Half = Batch<T, N / 2>;
+  using Mask = BatchMask<T, N>;
+
+  Half low, high;
+
+  Batch() = default;
+  Batch(const Half& l, const Half& h) : low(l), high(h) {}
+  template <class S>
+  requires std::is_arithmetic_v<S> Batch(S s) : low(s), high(low) {}
+
+  static Batch load(const T* p) { return {Half::load(p), Half::load(p + N / 2)}; }
+  void store(T* p) const {
+    low.store(p);
+    high.store(p + N / 2);
+  }
+
+  Batch operator-() const { return {-low, -high}; }
+  Batch& operator+=(const Batch& b) { return *this = *this + b; }
+  Batch& operator-=(const Batch& b) { return *this = *this - b; }
+  Batch& operator*=(const Batch& b) { return *this = *this * b; }
+  Batch& operator/=(const Batch& b) { return *this = *this / b; }
+  friend Batch operator+(const Batch& a, const Batch& b) { return {a.low + b.low, a.high + b.high}; }
+  friend Batch operator-(const Batch& a, const Batch& b) { return {a.low - b.low, a.high - b.high}; }
+  friend Batch operator*(const Batch& a, const Batch& b) { return {a.low * b.low, a.high * b.high}; }
+  friend Batch operator/(const Batch& a, const Batch& b) { return {a.low / b.low, a.high / b.high}; }
+
+  friend Mask operator<(const Batch& a, const Batch& b) { return {a.low < b.low, a.high < b.high}; }
+  friend Mask operator<=(const Batch& a, const Batch& b) { return {a.low <= b.low, a.high <= b.high}; }
+  friend Mask operator>(const Batch& a, const Batch& b) { return {a.low > b.low, a.high > b.high}; }
+  friend Mask operator>=(const Batch& a, const Batch& b) { return {a.low >= b.low, a.high >= b.high}; }
+  friend Mask operator==(const Batch& a, const Batch& b) { return {a.low == b.low, a.high == b.high}; }
+  friend Mask operator!=(const Batch& a, const Batch& b) { return {a.low != b.low, a.high != b.high}; }
+
+  friend Batch select(const Mask& m, const Batch& a, const Batch& b) {
+    return {select(m.low, a.low, b.low), select(m.high, a.high, b.high)};
+  }
+  friend Batch abs(const Batch& a) { return {abs(a.low), abs(a.high)}; }
+  friend Batch min(const Batch& a, const Batch& b) { return {min(a.low, b.low), min(a.high, b.high)}; }
+  friend Batch max(const Batch& a, const Batch& b) { return {max(a.low, b.low), max(a.high, b.high)}; }
+  friend Batch sqrt(const Batch& a) { return {sqrt(a.low), sqrt(a.high)}; }
+  friend Batch exp(const Batch& a) { return {exp(a.low), exp(a.high)}; }
+  friend Batch pow(const Batch& a, double p) { return {pow(a.low, p), pow(a.high, p)}; }
+};
+
+/// Lanes that fill one vector register of those the compiler was given: 8 doubles or 16 floats with AVX-512,
+/// half of that with AVX, a quarter without.
 template <class T>
 inline constexpr int default_lanes = SOFTSIM_SIMD_BYTES / static_cast<int>(sizeof(T));
 
@@ -192,7 +262,10 @@ template <class T>
 }
 template <class T, int N>
 [[nodiscard]] T lane(const Batch<T, N>& x, int l) {
-  return x.lanes[l];
+  if constexpr (simd_detail::is_wide<T, N>)
+    return l < N / 2 ? lane(x.low, l) : lane(x.high, l - N / 2);
+  else
+    return x.lanes[l];
 }
 
 /// Writes lane l; for a plain scalar the value itself. For set-up, not for a hot loop.
@@ -202,7 +275,10 @@ void set_lane(T& x, int, std::type_identity_t<T> value) {
 }
 template <class T, int N>
 void set_lane(Batch<T, N>& x, int l, std::type_identity_t<T> value) {
-  x.lanes[l] = value;
+  if constexpr (simd_detail::is_wide<T, N>)
+    set_lane(l < N / 2 ? x.low : x.high, l % (N / 2), value);
+  else
+    x.lanes[l] = value;
 }
 
 }  // namespace SOFTSIM_SIMD_NAMESPACE
@@ -213,10 +289,6 @@ requires std::is_arithmetic_v<T>
 [[nodiscard]] constexpr T select(bool condition, T a, T b) { return condition ? a : b; }
 
 }  // namespace softsim
-
-#if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC diagnostic pop
-#endif
 
 /// Lets Eigen's fixed-size matrices hold batches.
 template <class T, int N>

@@ -78,18 +78,23 @@ struct Split {
 };
 template <class T, int N>
 [[gnu::always_inline]] inline Split<T, N> split_normal(const Batch<T, N>& x) {
-  using B = Batch<T, N>;
-  using Register = typename B::Register;
-  using Bits = BatchBits<T, N>;
-  using Part = Format<T>;
-  const Bits shifted = reinterpret_cast<Bits>(x.lanes) + (Part::one - Part::sqrt_half);
-  const Bits biased = shifted >> Part::fraction_bits;
-  const Bits exponent = biased + Part::magic_bits;
-  const Bits scale = 2 * Part::one - (biased << Part::fraction_bits);
-  const Bits fraction = (shifted & ((BitsOf<T>{1} << Part::fraction_bits) - 1)) + Part::sqrt_half;
-  return {B(reinterpret_cast<Register>(fraction)),
-          B(reinterpret_cast<Register>(exponent)) - B(Part::magic + Part::bias),
-          B(reinterpret_cast<Register>(scale))};
+  if constexpr (is_wide<T, N>) {
+    const Split<T, N / 2> low = split_normal(x.low), high = split_normal(x.high);
+    return {{low.m, high.m}, {low.k, high.k}, {low.scale, high.scale}};
+  } else {
+    using B = Batch<T, N>;
+    using Register = typename B::Register;
+    using Bits = BatchBits<T, N>;
+    using Part = Format<T>;
+    const Bits shifted = reinterpret_cast<Bits>(x.lanes) + (Part::one - Part::sqrt_half);
+    const Bits biased = shifted >> Part::fraction_bits;
+    const Bits exponent = biased + Part::magic_bits;
+    const Bits scale = 2 * Part::one - (biased << Part::fraction_bits);
+    const Bits fraction = (shifted & ((BitsOf<T>{1} << Part::fraction_bits) - 1)) + Part::sqrt_half;
+    return {B(reinterpret_cast<Register>(fraction)),
+            B(reinterpret_cast<Register>(exponent)) - B(Part::magic + Part::bias),
+            B(reinterpret_cast<Register>(scale))};
+  }
 }
 // The same for all positive finite x; `scale` holds for normal numbers only.
 template <class T, int N>
@@ -111,6 +116,18 @@ template <class T, int N>
   using Part = Format<T>;
   const B z = s * s, r = z * polynomial(Part::atanh_series, z);
   return k * B(Part::ln2_high) + (f - (s * (f - r) - k * B(Part::ln2_low)));
+}
+
+// 2^-q, where the integer q stands in the lowest bits of `shifted`.
+template <class T, int N>
+[[gnu::always_inline]] inline Batch<T, N> inverse_power_of_two(const Batch<T, N>& shifted) {
+  if constexpr (is_wide<T, N>) {
+    return {inverse_power_of_two(shifted.low), inverse_power_of_two(shifted.high)};
+  } else {
+    using Register = typename Batch<T, N>::Register;
+    const auto q = reinterpret_cast<BatchBits<T, N>>(shifted.lanes);
+    return Batch<T, N>(reinterpret_cast<Register>(Format<T>::one - (q << Format<T>::fraction_bits)));
+  }
 }
 
 }  // namespace simd_detail
@@ -177,8 +194,6 @@ template <class T, int N>
 template <class T, int N>
 [[nodiscard, gnu::always_inline]] inline Batch<T, N> inverse_cbrt(const Batch<T, N>& x) {
   using B = Batch<T, N>;
-  using Register = typename B::Register;
-  using Bits = simd_detail::BatchBits<T, N>;
   using Part = simd_detail::Format<T>;
   const auto [m, k, inverse_power] = simd_detail::split(x);
   B y = simd_detail::polynomial(Part::inverse_cbrt_series, m - B(1));
@@ -186,8 +201,7 @@ template <class T, int N>
   // k = 3 q + r: the sum with 3/2 magic rounds k/3 to the integer q, which then stands in its lowest bits.
   const B shifted = k * B(T(1) / T(3)) + B(T(1.5) * Part::magic);
   const B r = k - B(3) * (shifted - B(T(1.5) * Part::magic));
-  const Bits scale = Part::one - (reinterpret_cast<Bits>(shifted.lanes) << Part::fraction_bits);
-  y *= B(reinterpret_cast<Register>(scale));
+  y *= simd_detail::inverse_power_of_two(shifted);
   y *= select(r > B(0.5), B(0.79370052598409974), select(r < B(-0.5), B(1.2599210498948732), B(1)));
   const B infinity(std::numeric_limits<T>::infinity());
   const B outside =

@@ -17,9 +17,23 @@ namespace simd_detail {
 // Everything here is inlined by force: g++ else hands the lanes over through memory, in pieces of half a
 // register, which makes a force a third slower.
 
-// Transposes every 4x4 group of four batches (its own inverse): lane 4g + i of batch j <-> lane 4g + j of
-// batch i. Two rounds of shuffles, the first within each 128 bits and the second of pairs of lanes, which the
-// compilers turn into one unpack or permute instruction each.
+// Four batches r hold a block (four scalars) of each lane, in one of two arrangements. By component: r[c]
+// holds component c. By block, as memory has them: r[i] holds the blocks of lanes i, i + 4, ... one after the
+// other. With two lanes a block takes two registers: r[0] and r[1] hold the first halves of the blocks, r[2]
+// and r[3] the second. A batch of two halves is arranged half by half.
+
+// The same half of four batches.
+template <class T, int N>
+[[gnu::always_inline]] inline void halve(const Batch<T, N> (&r)[4], Batch<T, N / 2> (&low)[4],
+                                         Batch<T, N / 2> (&high)[4]) {
+  for (int k = 0; k < 4; ++k) {
+    low[k] = r[k].low;
+    high[k] = r[k].high;
+  }
+}
+
+// From one arrangement to the other and back. Two rounds of shuffles, the first within each 128 bits and the
+// second of pairs of lanes, which the compilers turn into one unpack or permute instruction each.
 template <class T, int N, int... I>
 [[gnu::always_inline]] inline void transpose_groups(Batch<T, N> (&r)[4], std::integer_sequence<int, I...>) {
   using Register = typename Batch<T, N>::Register;
@@ -33,6 +47,24 @@ template <class T, int N, int... I>
   r[odd].lanes = __builtin_shufflevector(b, d, (I % 4 / 2 * N + I / 4 * 4 + I % 2)...);
   r[step].lanes = __builtin_shufflevector(a, c, (I % 4 / 2 * N + I / 4 * 4 + I % 2 + 2)...);
   r[3].lanes = __builtin_shufflevector(b, d, (I % 4 / 2 * N + I / 4 * 4 + I % 2 + 2)...);
+}
+template <class T, int N>
+[[gnu::always_inline]] inline void transpose(Batch<T, N> (&r)[4]) {
+  if constexpr (is_wide<T, N>) {
+    Batch<T, N / 2> low[4], high[4];
+    halve(r, low, high);
+    transpose(low);
+    transpose(high);
+    for (int k = 0; k < 4; ++k) r[k] = {low[k], high[k]};
+  } else if constexpr (N == 2) {
+    for (int k = 0; k < 4; k += 2) {
+      const auto first = r[k].lanes, second = r[k + 1].lanes;
+      r[k].lanes = __builtin_shufflevector(first, second, 0, 2);
+      r[k + 1].lanes = __builtin_shufflevector(first, second, 1, 3);
+    }
+  } else {
+    transpose_groups(r, std::make_integer_sequence<int, N>{});
+  }
 }
 
 template <class T, int N, int... I>
@@ -55,41 +87,77 @@ template <class T, int N>
   }
 }
 
-// Adds lanes 4g to 4g + 3 of r to the four scalars at p.
-template <int g, class T, int N>
-[[gnu::always_inline]] inline void add_group(const Batch<T, N>& r, T* p) {
-  Batch<T, 4> sum = Batch<T, 4>::load(p);
-  if constexpr (N == 4) {
-    sum += r;
+// The blocks with the given numbers, arranged by block.
+template <class T, int N>
+[[gnu::always_inline]] inline void load_blocks(const T* base, const std::int32_t* ids, Batch<T, N> (&r)[4]) {
+  if constexpr (is_wide<T, N>) {
+    Batch<T, N / 2> low[4], high[4];
+    load_blocks(base, ids, low);
+    load_blocks(base, ids + N / 2, high);
+    for (int k = 0; k < 4; ++k) r[k] = {low[k], high[k]};
+  } else if constexpr (N == 2) {
+    for (int l = 0; l < 2; ++l) {
+      const T* p = base + block_stride * static_cast<std::ptrdiff_t>(ids[l]);
+      r[l] = Batch<T, N>::load(p);
+      r[l + 2] = Batch<T, N>::load(p + 2);
+    }
   } else {
-    sum.lanes += __builtin_shufflevector(r.lanes, r.lanes, 4 * g, 4 * g + 1, 4 * g + 2, 4 * g + 3);
+    for (int i = 0; i < 4; ++i) load_groups(base, ids + i, r[i]);
   }
-  sum.store(p);
 }
 
+// Adds the block of lane l, arranged by block, to the four scalars at p.
+template <int l, class T, int N>
+[[gnu::always_inline]] inline void add_block(const Batch<T, N> (&r)[4], T* p) {
+  if constexpr (is_wide<T, N>) {
+    Batch<T, N / 2> low[4], high[4];
+    halve(r, low, high);
+    if constexpr (l < N / 2)
+      add_block<l>(low, p);
+    else
+      add_block<l - N / 2>(high, p);
+  } else if constexpr (N == 2) {
+    (Batch<T, N>::load(p) + r[l]).store(p);
+    (Batch<T, N>::load(p + 2) + r[l + 2]).store(p + 2);
+  } else {
+    Batch<T, 4> sum = Batch<T, 4>::load(p);
+    constexpr int g = l / 4 * 4;
+    const auto& group = r[l % 4].lanes;
+    if constexpr (N == 4)
+      sum.lanes += group;
+    else
+      sum.lanes += __builtin_shufflevector(group, group, g, g + 1, g + 2, g + 3);
+    sum.store(p);
+  }
+}
+
+// Adds what `load_blocks` would read, for the first `count` lanes.
 template <class T, int N, int... L>
-[[gnu::always_inline]] inline void add_groups(const Batch<T, N> (&r)[4], T* base, const std::int32_t* ids,
-                                              std::integer_sequence<int, L...>) {
-  (add_group<L / 4>(r[L % 4], base + block_stride * static_cast<std::ptrdiff_t>(ids[L])), ...);
+[[gnu::always_inline]] inline void add_blocks(T* base, const std::int32_t* ids, const Batch<T, N> (&r)[4],
+                                              int count, std::integer_sequence<int, L...>) {
+  const auto place = [&](int l) { return base + block_stride * static_cast<std::ptrdiff_t>(ids[l]); };
+  if (count == N)
+    (add_block<L>(r, place(L)), ...);
+  else
+    ((L < count ? add_block<L>(r, place(L)) : void()), ...);
 }
 
-// Lane L of nine entries, the first eight of which have been transposed: group L / 4 of batch L % 4.
-template <int L, class T, int N>
-[[gnu::always_inline]] inline void add_matrix(const Batch<T, N> (&low)[4], const Batch<T, N> (&high)[4],
+// Lane l of nine entries, the first eight of which are arranged by block.
+template <int l, class T, int N>
+[[gnu::always_inline]] inline void add_matrix(const Batch<T, N> (&first)[4], const Batch<T, N> (&second)[4],
                                               const T (&last)[N], T* values, const std::int32_t* positions,
                                               int stride, int count) {
-  if (L >= count || positions[L * stride] < 0) return;
-  T* p = values + 9 * static_cast<std::ptrdiff_t>(positions[L * stride]);
-  add_group<L / 4>(low[L % 4], p);
-  add_group<L / 4>(high[L % 4], p + 4);
-  p[8] += last[L];
+  if (l >= count || positions[l * stride] < 0) return;
+  T* p = values + 9 * static_cast<std::ptrdiff_t>(positions[l * stride]);
+  add_block<l>(first, p);
+  add_block<l>(second, p + 4);
+  p[8] += last[l];
 }
-
 template <class T, int N, int... L>
-[[gnu::always_inline]] inline void add_matrices(const Batch<T, N> (&low)[4], const Batch<T, N> (&high)[4],
+[[gnu::always_inline]] inline void add_matrices(const Batch<T, N> (&first)[4], const Batch<T, N> (&second)[4],
                                                 const T (&last)[N], T* values, const std::int32_t* positions,
                                                 int stride, int count, std::integer_sequence<int, L...>) {
-  (add_matrix<L>(low, high, last, values, positions, stride, count), ...);
+  (add_matrix<L>(first, second, last, values, positions, stride, count), ...);
 }
 
 }  // namespace simd_detail
@@ -97,29 +165,6 @@ template <class T, int N, int... L>
 /// Numbers of N blocks of a flat vector.
 template <int N>
 using BlockIds = std::array<std::int32_t, static_cast<std::size_t>(N)>;
-
-namespace simd_detail {
-
-// Batch i holds the blocks of lanes i, i + 4, ...: one lane group each.
-template <class T, int N>
-[[gnu::always_inline]] inline void load_blocks(const T* base, const BlockIds<N>& ids, Batch<T, N> (&r)[4]) {
-  for (int i = 0; i < 4; ++i) load_groups(base, ids.data() + i, r[i]);
-}
-
-// Adds what `load_blocks` would read, for the first `count` lanes.
-template <class T, int N>
-[[gnu::always_inline]] inline void add_blocks(T* base, const BlockIds<N>& ids, const Batch<T, N> (&r)[4],
-                                              int count) {
-  if (count == N) return add_groups(r, base, ids.data(), std::make_integer_sequence<int, N>{});
-  T parts[4][N];
-  for (int i = 0; i < 4; ++i) r[i].store(parts[i]);
-  for (int l = 0; l < count; ++l) {
-    T* p = base + block_stride * static_cast<std::ptrdiff_t>(ids[static_cast<std::size_t>(l)]);
-    (Batch<T, 4>::load(p) + Batch<T, 4>::load(parts[l % 4] + l / 4 * 4)).store(p);
-  }
-}
-
-}  // namespace simd_detail
 
 /// The blocks with the given numbers of the flat vector at `base`, component by component.
 template <class T, int N>
@@ -131,8 +176,8 @@ template <class T, int N>
   } else {
     using B = Batch<T, N>;
     B r[4];
-    simd_detail::load_blocks(base, ids, r);
-    simd_detail::transpose_groups(r, std::make_integer_sequence<int, N>{});
+    simd_detail::load_blocks(base, ids.data(), r);
+    simd_detail::transpose(r);
     return Vec3<B>(r[0], r[1], r[2]);
   }
 }
@@ -147,8 +192,8 @@ template <class T, int N>
     for (int a = 0; a < 3; ++a) p[a] += v[a];
   } else {
     Batch<T, N> r[4] = {v[0], v[1], v[2], Batch<T, N>(0)};
-    simd_detail::transpose_groups(r, std::make_integer_sequence<int, N>{});
-    simd_detail::add_blocks(base, ids, r, count);
+    simd_detail::transpose(r);
+    simd_detail::add_blocks(base, ids.data(), r, count, std::make_integer_sequence<int, N>{});
   }
 }
 
@@ -164,12 +209,12 @@ template <class T, int N, std::size_t P>
     for (std::size_t i = 1; i < P; ++i) v[i] = gather_blocks<T, 1>(base, ids[i]) - first;
   } else {
     L first[4];
-    simd_detail::load_blocks(base, ids[0], first);
+    simd_detail::load_blocks(base, ids[0].data(), first);
     for (std::size_t i = 1; i < P; ++i) {
       L r[4];
-      simd_detail::load_blocks(base, ids[i], r);
+      simd_detail::load_blocks(base, ids[i].data(), r);
       for (int k = 0; k < 4; ++k) r[k] -= first[k];
-      simd_detail::transpose_groups(r, std::make_integer_sequence<int, N>{});
+      simd_detail::transpose(r);
       v[i] = Vec3<L>(r[0], r[1], r[2]);
     }
   }
@@ -190,23 +235,25 @@ template <class T, int N, std::size_t P>
     }
     scatter_add_blocks<T, 1>(base, ids[0], sum);
   } else {
+    constexpr auto all = std::make_integer_sequence<int, N>{};
     L sum[4] = {L(0), L(0), L(0), L(0)};
     for (std::size_t i = 1; i < P; ++i) {
       L r[4] = {f[3 * i], f[3 * i + 1], f[3 * i + 2], L(0)};
-      simd_detail::transpose_groups(r, std::make_integer_sequence<int, N>{});
+      simd_detail::transpose(r);
       for (int k = 0; k < 4; ++k) sum[k] -= r[k];
-      simd_detail::add_blocks(base, ids[i], r, count);
+      simd_detail::add_blocks(base, ids[i].data(), r, count, all);
     }
-    simd_detail::add_blocks(base, ids[0], sum, count);
+    simd_detail::add_blocks(base, ids[0].data(), sum, count, all);
   }
 }
 
 /// Adds lane l of the 3x3 matrix m (and of nothing else) to the nine scalars, column by column, at
 /// values + 9 positions[l * stride], for the first `count` lanes; a negative position leaves its lane out.
-// Not inlined: an assembly calls it for sixteen blocks and more, and each would be a few hundred instructions.
+// Not inlined: an assembly calls it for sixteen blocks and more, and each would be a few hundred
+// instructions.
 template <class T, int N>
 [[gnu::noinline]] void scatter_add_matrix(T* values, const std::int32_t* positions, int stride,
-                                                      const Mat3<Lanes<T, N>>& m, int count = N) {
+                                          const Mat3<Lanes<T, N>>& m, int count = N) {
   if constexpr (N == 1) {
     if (positions[0] < 0) return;
     T* p = values + 9 * static_cast<std::ptrdiff_t>(positions[0]);
@@ -215,12 +262,13 @@ template <class T, int N>
     constexpr auto all = std::make_integer_sequence<int, N>{};
     using B = Batch<T, N>;
     const B* entry = m.data();
-    B low[4] = {entry[0], entry[1], entry[2], entry[3]}, high[4] = {entry[4], entry[5], entry[6], entry[7]};
-    simd_detail::transpose_groups(low, all);
-    simd_detail::transpose_groups(high, all);
+    B first[4] = {entry[0], entry[1], entry[2], entry[3]},
+      second[4] = {entry[4], entry[5], entry[6], entry[7]};
+    simd_detail::transpose(first);
+    simd_detail::transpose(second);
     alignas(64) T last[N];
     entry[8].store(last);
-    simd_detail::add_matrices(low, high, last, values, positions, stride, count, all);
+    simd_detail::add_matrices(first, second, last, values, positions, stride, count, all);
   }
 }
 
