@@ -140,31 +140,62 @@ struct ClosedRotation {
   decltype(std::declval<T>() < std::declval<T>()) good;
 };
 
-/// The trace t = tr S = s1 + s2 + s3 is the largest root of (t^2 - |A|^2)^2 - 4 |cof A|^2 - 8 t det A = 0,
-/// and R is its derivative with respect to A. Newton's method falls to the root from sqrt(3) |A| >= t. An
-/// error of t, like most rounding errors, multiplies R by a symmetric factor close to I, which one step
-/// towards the nearest orthogonal tensor takes away to second order; hence a few steps do. Everything divides
-/// by (s1 + s2)(s1 + s3)(s2 + s3).
+/// A^T A, whose halves are the same numbers.
 template <class T>
-[[nodiscard]] ClosedRotation<T> rotation_in_closed_form(const Mat3<T>& A) {
-  using std::abs, std::sqrt;
+[[nodiscard]] Mat3<T> gram(const Mat3<T>& A) {
+  Mat3<T> C;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j <= i; ++j) C(i, j) = C(j, i) = A.col(i).dot(A.col(j));
+  return C;
+}
+
+/// The trace t = tr S = s1 + s2 + s3 is the largest root of (t^2 - |A|^2)^2 - 4 |cof A|^2 - 8 t det A = 0, and R
+/// is its derivative with respect to A: R S times a polynomial of S with factors of t, hence R times a symmetric
+/// tensor whatever t. Halley's method falls to the root from sqrt(3) |A| >= t; two steps do for stretches of 0.7
+/// to 1.4. Like most rounding errors, an error of t makes the symmetric tensor differ from I, which one step
+/// towards the nearest orthogonal tensor takes away to second order. Everything divides by
+/// (s1 + s2)(s1 + s3)(s2 + s3).
+template <class T>
+[[nodiscard]] ClosedRotation<T> rotation_in_closed_form(const Mat3<T>& A, int steps) {
+  using std::sqrt;
   using Real = decltype(lane(std::declval<T>(), 0));
-  const Mat3<T> C = A.transpose() * A, c = cofactor(A);
-  const T n = trace(C), m = T(4) * double_dot(c, c), j = A.col(0).dot(c.col(0));
-  T t = sqrt(T(3) * n), step(0);
-  for (int k = 0; k < 5; ++k) {
-    const T d = t * t - n;
-    step = (d * d - m - T(8) * t * j) / (T(4) * (t * d - T(2) * j));
-    t -= step;
+  const Mat3<T> C = gram(A), c = cofactor(A);
+  const T n = trace(C), m = double_dot(c, c), j2 = T(2) * A.col(0).dot(c.col(0));
+  T t = sqrt(T(3) * n);
+  for (int k = 0; k < steps; ++k) {
+    // a quarter of the polynomial and its first two derivatives
+    const T d = t * t - n, p = T(0.25) * d * d - (m + t * j2), p1 = t * d - j2, p2 = T(2) * t * t + d;
+    t -= T(2) * p * p1 / (T(2) * p1 * p1 - p * p2);
   }
-  const T t2 = t * t, denominator = t * (t2 - n) - T(2) * j, scale = T(1) / denominator;
-  const T a = scale * (t2 + n), b = T(2) * scale, e = b * t;
-  const Mat3<T> AC = A * C, Q = a * A - b * AC + e * c;
-  const Mat3<T> B = T(1.5) * Mat3<T>::Identity() - T(0.5) * (Q.transpose() * Q);
-  // The squares of the last step and of the departure from a rotation have to vanish in rounding.
-  const T tolerance = T(0.5) * sqrt(T(std::numeric_limits<Real>::epsilon()));
-  const auto apart = denominator > T(0.05) * t2 * t, settled = abs(step) < tolerance * t;
-  return {Q * B, both(apart, settled)};
+  const T t2 = t * t, denominator = t * (t2 - n) - j2, scale = T(1) / denominator;
+  const T a = scale * (t2 + n), b = T(-2) * scale, e = -b * t;
+  Mat3<T> M = b * C;
+  for (int i = 0; i < 3; ++i) M(i, i) += a;
+  const Mat3<T> Q = A * M + e * c;
+  Mat3<T> D = T(-0.5) * gram(Q);
+  for (int i = 0; i < 3; ++i) D(i, i) += T(0.5);
+  // What the square of the departure from a rotation leaves behind has to vanish in rounding, and no fourth power
+  // of a length may leave the range of the scalar.
+  const auto settled = double_dot(D, D) < T(0.25 * std::numeric_limits<Real>::epsilon());
+  const auto in_range = both(n > T(1e-8), n < T(1e8));
+  return {Q + Q * D, both(both(denominator > T(0.05) * t2 * t, settled), in_range)};
+}
+
+/// For what those steps do not settle: nearly ambiguous, very large or small, far from rigid. F at all.
+template <class T>
+[[nodiscard, gnu::noinline, gnu::flatten]] Mat3<T> rotation_of_any(const Mat3<T>& F) {
+  using std::abs, std::max;
+  using Real = decltype(lane(std::declval<T>(), 0));
+  T size = abs(F(0));
+  for (int i = 1; i < 9; ++i) size = max(size, T(abs(F(i))));
+  const T inverse_size = T(1) / max(size, T(std::numeric_limits<Real>::min()));
+  const Mat3<T> A = inverse_size * F;
+  ClosedRotation<T> closed = rotation_in_closed_form<T>(A, 6);
+  if (!everywhere(closed.good)) {
+    const Mat3<T> R = rotation_by_sweeps<T>(A);
+    for (int i = 0; i < 9; ++i) closed.R(i) = select(closed.good, closed.R(i), R(i));
+  }
+  return closed.R;
 }
 
 }  // namespace detail
@@ -174,22 +205,16 @@ template <class T>
 /// is unique unless s2 + s3 = 0 (rank 1 or 0; two equal smallest singular values of an inverted F); its error
 /// is at most about 100 machine epsilons times s1 / (s2 + s3). Without uniqueness the result is one of the
 /// maximisers (within 128 epsilons of the largest entry of F), drawn towards the one that turns least; F = 0
-/// gives I. Defined for every finite F; R does not depend on the size of F, except that a subnormal F is
-/// drawn towards I. NaN and infinity give NaN.
+/// gives I. Defined for every finite F; R does not depend on the size of F but for rounding, except that a
+/// subnormal F is drawn towards I. NaN and infinity give NaN.
 ///
-/// A closed form serves deformations that are far from those ambiguities, Jacobi sweeps the others. The one
-/// branch skips the sweeps where no lane needs them: a lane's result does not depend on its neighbours.
+/// A closed form serves deformations that are far from those ambiguities, Jacobi sweeps the others. The branches
+/// skip what no lane needs: a lane's result does not depend on its neighbours.
 template <class T>
 [[nodiscard, gnu::flatten]] Mat3<T> rotation_factor(const Mat3<T>& F) {
-  using std::abs, std::max;
-  using Real = decltype(lane(std::declval<T>(), 0));
-  T size = abs(F(0));
-  for (int i = 1; i < 9; ++i) size = max(size, T(abs(F(i))));
-  const T inverse_size = T(1) / max(size, T(std::numeric_limits<Real>::min()));
-  const Mat3<T> A = inverse_size * F;
-  detail::ClosedRotation<T> closed = detail::rotation_in_closed_form<T>(A);
+  detail::ClosedRotation<T> closed = detail::rotation_in_closed_form<T>(F, 2);
   if (!detail::everywhere(closed.good)) {
-    const Mat3<T> R = detail::rotation_by_sweeps<T>(A);
+    const Mat3<T> R = detail::rotation_of_any<T>(F);
     for (int i = 0; i < 9; ++i) closed.R(i) = select(closed.good, closed.R(i), R(i));
   }
   return closed.R;

@@ -19,9 +19,9 @@ using Vector = Eigen::Matrix<T, Eigen::Dynamic, 1>;
 /// Double contraction A : B = sum_ij A_ij B_ij.
 template <class T>
 [[nodiscard]] T double_dot(const Mat3<T>& A, const Mat3<T>& B) {
-  T sum = A(0) * B(0);
-  for (int i = 1; i < 9; ++i) sum += A(i) * B(i);
-  return sum;
+  // column by column: three short sums wait less than a long one
+  const T x = A(0) * B(0) + A(1) * B(1) + A(2) * B(2), y = A(3) * B(3) + A(4) * B(4) + A(5) * B(5);
+  return x + y + (A(6) * B(6) + A(7) * B(7) + A(8) * B(8));
 }
 
 /// Trace of A.
