@@ -105,24 +105,30 @@ TYPED_TEST(Gather, BalancesThePointThatIsNotGiven) {
   }
 }
 
-TYPED_TEST(Gather, AddsMatricesAndNothingBesideThem) {
+TYPED_TEST(Gather, AddsMatricesOrTheirTransposesAndNothingBesideThem) {
   using T = typename TestFixture::Scalar;
   constexpr int N = TestFixture::lane_total, stride = 2;
-  for (int count = 1; count <= N; ++count) {
-    std::vector<T> y(static_cast<std::size_t>(9 * TestFixture::blocks)), expected = y;
-    const BlockIds<N> ids = this->ids();
-    std::array<std::int32_t, static_cast<std::size_t>(N * stride)> positions{};
-    for (int l = 0; l < N; ++l)
-      positions[static_cast<std::size_t>(l * stride)] = l % 5 == 3 ? -1 : ids[static_cast<std::size_t>(l)];
-    Mat3<TypeParam> m;
-    for (int k = 0; k < 9; ++k) m(k) = this->lanes();
-    softsim::scatter_add_matrix<T, N>(y.data(), positions.data(), stride, m, count);
-    for (int l = 0; l < count; ++l) {
-      const std::int32_t p = positions[static_cast<std::size_t>(l * stride)];
-      for (int k = 0; k < 9 && p >= 0; ++k) expected[static_cast<std::size_t>(9 * p + k)] += lane(m(k), l);
+  for (int count = 1; count <= N; ++count)
+    for (int trial = 0; trial < 4; ++trial) {
+      std::vector<T> y(static_cast<std::size_t>(9 * TestFixture::blocks)), expected = y;
+      const BlockIds<N> ids = this->ids();
+      std::array<std::int32_t, static_cast<std::size_t>(N * stride)> places{};
+      std::uniform_int_distribution<std::int32_t> odd(0, 1), left_out(0, 4);
+      for (int l = 0; l < N; ++l)
+        places[static_cast<std::size_t>(l * stride)] =
+            left_out(this->generator) == 0 ? -1 : 2 * ids[static_cast<std::size_t>(l)] + odd(this->generator);
+      Mat3<TypeParam> m;
+      for (int k = 0; k < 9; ++k) m(k) = this->lanes();
+      softsim::scatter_add_matrix<T, N>(y.data(), places.data(), stride, m, count);
+      for (int l = 0; l < count; ++l) {
+        const std::int32_t p = places[static_cast<std::size_t>(l * stride)];
+        for (int a = 0; a < 3 && p >= 0; ++a)
+          for (int b = 0; b < 3; ++b)
+            expected[static_cast<std::size_t>(9 * (p / 2) + 3 * b + a)] +=
+                lane(p % 2 == 0 ? m(a, b) : m(b, a), l);
+      }
+      EXPECT_EQ(y, expected) << count;
     }
-    EXPECT_EQ(y, expected) << count;
-  }
 }
 
 }  // namespace gather_test

@@ -13,47 +13,69 @@
 
 namespace block_matrix_test {
 
-using softsim::BlockMatrix, softsim::Vector;
+using softsim::SymmetricBlockMatrix, softsim::Vector;
 
 using Pattern = std::vector<std::pair<std::int32_t, std::int32_t>>;
 
-// Five rows: one full, one without any block, the blocks given out of order and one of them twice.
-const Pattern pattern{{4, 4}, {0, 3}, {0, 0}, {2, 1}, {1, 0}, {1, 1}, {1, 2}, {1, 3}, {1, 4}, {0, 3}, {4, 0}};
+// Five rows: one full, one without a stored block of its own; blocks out of order, below the diagonal and
+// twice.
+const Pattern pattern{{4, 4}, {0, 3}, {0, 0}, {2, 1}, {1, 0}, {1, 1}, {1, 3}, {1, 4}, {3, 0}, {4, 0}};
 
 template <class T>
-BlockMatrix<T> random_matrix() {
-  BlockMatrix<T> A(5, pattern);
+SymmetricBlockMatrix<T> random_matrix() {
+  SymmetricBlockMatrix<T> A(5, pattern);
   bodies::Random random(1);
   for (std::size_t k = 0; k < 9 * A.blocks(); ++k) A.values()[k] = static_cast<T>(random.number());
+  for (const std::int32_t i : {0, 1, 4}) {
+    auto D = A.block(A.place(i, i) / 2);
+    D = softsim::symmetric_part<T>(D);
+  }
   return A;
 }
 
-TEST(BlockMatrix, KeepsEveryBlockOnce) {
-  const BlockMatrix<double> A(5, pattern);
+TEST(SymmetricBlockMatrix, KeepsEveryPairOfBlocksOnce) {
+  const SymmetricBlockMatrix<double> A(5, pattern);
   EXPECT_EQ(A.rows(), 5u);
-  EXPECT_EQ(A.blocks(), 10u);
-  EXPECT_EQ(A.position(0, 0), 0);
-  EXPECT_EQ(A.position(0, 3), 1);
-  EXPECT_EQ(A.position(1, 4), 6);
-  EXPECT_EQ(A.position(2, 1), 7);
-  EXPECT_EQ(A.position(4, 4), 9);
-  for (const auto& [i, j] : Pattern{{0, 1}, {0, 4}, {2, 0}, {2, 2}, {3, 3}, {4, 3}})
-    EXPECT_EQ(A.position(i, j), -1);
-  EXPECT_EQ(BlockMatrix<double>().rows(), 0u);
+  EXPECT_EQ(A.blocks(), 9u);
+  EXPECT_EQ(A.place(0, 0), 0);
+  EXPECT_EQ(A.place(0, 1), 2);
+  EXPECT_EQ(A.place(1, 0), 3);
+  EXPECT_EQ(A.place(0, 3), 4);
+  EXPECT_EQ(A.place(3, 0), 5);
+  EXPECT_EQ(A.place(1, 4), 14);
+  EXPECT_EQ(A.place(4, 1), 15);
+  EXPECT_EQ(A.place(4, 4), 16);
+  for (const auto& [i, j] : Pattern{{0, 2}, {2, 0}, {2, 2}, {3, 3}, {4, 3}}) EXPECT_EQ(A.place(i, j), -1);
+  EXPECT_EQ(SymmetricBlockMatrix<double>().rows(), 0u);
 }
 
-TEST(BlockMatrix, StoresBlocksColumnByColumn) {
-  BlockMatrix<double> A(5, pattern);
-  A.block(A.position(2, 1))(0, 2) = 5;
-  EXPECT_EQ(A.values()[9 * 7 + 6], 5);
-  const BlockMatrix<double>& constant = A;
-  EXPECT_EQ(constant.block(7)(0, 2), 5);
+TEST(SymmetricBlockMatrix, StoresBlocksColumnByColumn) {
+  SymmetricBlockMatrix<double> A(5, pattern);
+  A.block(A.place(1, 2) / 2)(0, 2) = 5;
+  EXPECT_EQ(A.place(1, 2), 10);
+  EXPECT_EQ(A.values()[9 * 5 + 6], 5);
+  const SymmetricBlockMatrix<double>& constant = A;
+  EXPECT_EQ(constant.block(5)(0, 2), 5);
   A.set_zero();
-  EXPECT_EQ(A.values()[9 * 7 + 6], 0);
-  EXPECT_EQ(A.blocks(), 10u);
+  EXPECT_EQ(A.values()[9 * 5 + 6], 0);
+  EXPECT_EQ(A.blocks(), 9u);
 }
 
-TEST(BlockMatrix, MultipliesAsEigenDoes) {
+TEST(SymmetricBlockMatrix, IsTheSymmetricMatrixOfItsBlocks) {
+  const auto A = random_matrix<double>();
+  const Eigen::MatrixXd dense = A.to_eigen();
+  ASSERT_EQ(dense.rows(), 15);
+  EXPECT_EQ(dense, dense.transpose());
+  for (std::int32_t i = 0; i < 5; ++i)
+    for (std::int32_t j = i; j < 5; ++j) {
+      const std::int32_t p = A.place(i, j);
+      const softsim::Mat3<double> expected =
+          p < 0 ? softsim::Mat3<double>::Zero() : softsim::Mat3<double>(A.block(p / 2));
+      EXPECT_EQ((dense.block<3, 3>(3 * i, 3 * j)), expected);
+    }
+}
+
+TEST(SymmetricBlockMatrix, MultipliesAsEigenDoes) {
   const auto A = random_matrix<double>();
   const Vector<double> x = bodies::random_vector(5, 1, 2);
   Vector<double> y = Vector<double>::Constant(20, 99);
@@ -62,7 +84,7 @@ TEST(BlockMatrix, MultipliesAsEigenDoes) {
   for (std::ptrdiff_t i = 0; i < 5; ++i) EXPECT_EQ(y[4 * i + 3], 0);
 }
 
-TEST(BlockMatrix, MultipliesInSinglePrecision) {
+TEST(SymmetricBlockMatrix, MultipliesInSinglePrecision) {
   const auto A = random_matrix<float>();
   const Vector<float> x = bodies::random_vector<float>(5, 1, 2);
   Vector<float> y(20);
@@ -70,14 +92,19 @@ TEST(BlockMatrix, MultipliesInSinglePrecision) {
   EXPECT_LT(bodies::relative_error(softsim::pack(y), Vector<float>(A.to_eigen() * softsim::pack(x))), 5e-7);
 }
 
-// The product loads four scalars where a column has three; the fourth must not leak, whatever it is.
-TEST(BlockMatrix, DoesNotMixNeighbouringBlocks) {
-  BlockMatrix<double> A(2, {{0, 0}, {1, 1}});
+// The product loads four scalars where a column has three, and four of x; the fourth must not leak, whatever
+// it is.
+TEST(SymmetricBlockMatrix, DoesNotMixNeighbouringBlocks) {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  SymmetricBlockMatrix<double> A(3, {{0, 0}, {0, 1}, {2, 2}});
   A.block(0).setIdentity();
-  A.block(1).setConstant(std::numeric_limits<double>::quiet_NaN());
-  Vector<double> y(8);
-  A.apply(Vector<double>::Ones(8), y);
-  EXPECT_EQ(y.head(4), Eigen::Vector4d(1, 1, 1, 0));
+  A.block(1).setIdentity();
+  A.block(2).setConstant(nan);
+  Vector<double> x = Vector<double>::Ones(12), y(12);
+  for (const std::ptrdiff_t k : {3, 7, 11}) x[k] = nan;
+  A.apply(x, y);
+  EXPECT_EQ(y.head(4), Eigen::Vector4d(2, 2, 2, 0));
+  EXPECT_EQ(y.segment(4, 4), Eigen::Vector4d(1, 1, 1, 0));
 }
 
 TEST(Packing, DropsTheFourthScalarAndPutsItBack) {

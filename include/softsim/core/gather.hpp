@@ -142,22 +142,35 @@ template <class T, int N, int... L>
     ((L < count ? add_block<L>(r, place(L)) : void()), ...);
 }
 
+// Where the places are odd.
+template <class T, int N, int... L>
+[[gnu::always_inline]] inline BatchMask<T, N> odd(const std::int32_t* places, int stride,
+                                                  std::integer_sequence<int, L...>) {
+  if constexpr (is_wide<T, N>) {
+    constexpr auto half = std::make_integer_sequence<int, N / 2>{};
+    return {odd<T, N / 2>(places, stride, half), odd<T, N / 2>(places + N / 2 * stride, stride, half)};
+  } else {
+    using Register = typename VectorRegister<MaskInteger<T>, N>::type;
+    return {Register{-MaskInteger<T>(places[L * stride] & 1)...}};
+  }
+}
+
 // Lane l of nine entries, the first eight of which are arranged by block.
 template <int l, class T, int N>
 [[gnu::always_inline]] inline void add_matrix(const Batch<T, N> (&first)[4], const Batch<T, N> (&second)[4],
-                                              const T (&last)[N], T* values, const std::int32_t* positions,
+                                              const T (&last)[N], T* values, const std::int32_t* places,
                                               int stride, int count) {
-  if (l >= count || positions[l * stride] < 0) return;
-  T* p = values + 9 * static_cast<std::ptrdiff_t>(positions[l * stride]);
+  if (l >= count || places[l * stride] < 0) return;
+  T* p = values + 9 * static_cast<std::ptrdiff_t>(places[l * stride] / 2);
   add_block<l>(first, p);
   add_block<l>(second, p + 4);
   p[8] += last[l];
 }
 template <class T, int N, int... L>
 [[gnu::always_inline]] inline void add_matrices(const Batch<T, N> (&first)[4], const Batch<T, N> (&second)[4],
-                                                const T (&last)[N], T* values, const std::int32_t* positions,
+                                                const T (&last)[N], T* values, const std::int32_t* places,
                                                 int stride, int count, std::integer_sequence<int, L...>) {
-  (add_matrix<L>(first, second, last, values, positions, stride, count), ...);
+  (add_matrix<L>(first, second, last, values, places, stride, count), ...);
 }
 
 }  // namespace simd_detail
@@ -247,28 +260,32 @@ template <class T, int N, std::size_t P>
   }
 }
 
-/// Adds lane l of the 3x3 matrix m (and of nothing else) to the nine scalars, column by column, at
-/// values + 9 positions[l * stride], for the first `count` lanes; a negative position leaves its lane out.
-// Not inlined: an assembly calls it for sixteen blocks and more, and each would be a few hundred
-// instructions.
+/// Adds lane l of the 3x3 matrix m (and of nothing else) to one of the blocks of nine scalars, column by
+/// column, that follow each other in `values`, for the first `count` lanes. The place p of a lane at places[l
+/// * stride] means block p / 2, and the transpose of m if p is odd; a negative place leaves the lane out.
+// Not inlined: an assembly calls it for ten blocks and more, and each would be a few hundred instructions.
 template <class T, int N>
-[[gnu::noinline]] void scatter_add_matrix(T* values, const std::int32_t* positions, int stride,
+[[gnu::noinline]] void scatter_add_matrix(T* values, const std::int32_t* places, int stride,
                                           const Mat3<Lanes<T, N>>& m, int count = N) {
   if constexpr (N == 1) {
-    if (positions[0] < 0) return;
-    T* p = values + 9 * static_cast<std::ptrdiff_t>(positions[0]);
-    for (int k = 0; k < 9; ++k) p[k] += m.data()[k];
+    if (places[0] < 0) return;
+    Eigen::Map<Mat3<T>> block(values + 9 * static_cast<std::ptrdiff_t>(places[0] / 2));
+    if (places[0] % 2 == 0)
+      block += m;
+    else
+      block += m.transpose();
   } else {
     constexpr auto all = std::make_integer_sequence<int, N>{};
     using B = Batch<T, N>;
-    const B* entry = m.data();
-    B first[4] = {entry[0], entry[1], entry[2], entry[3]},
-      second[4] = {entry[4], entry[5], entry[6], entry[7]};
+    const auto turned = simd_detail::odd<T, N>(places, stride, all);
+    const auto entry = [&](int a, int b) { return select(turned, m(b, a), m(a, b)); };
+    B first[4] = {m(0, 0), entry(1, 0), entry(2, 0), entry(0, 1)},
+      second[4] = {m(1, 1), entry(2, 1), entry(0, 2), entry(1, 2)};
     simd_detail::transpose(first);
     simd_detail::transpose(second);
     alignas(64) T last[N];
-    entry[8].store(last);
-    simd_detail::add_matrices(first, second, last, values, positions, stride, count, all);
+    m(2, 2).store(last);
+    simd_detail::add_matrices(first, second, last, values, places, stride, count, all);
   }
 }
 

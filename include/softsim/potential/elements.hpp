@@ -15,7 +15,8 @@
 #include "softsim/concepts.hpp"
 #include "softsim/core/error.hpp"
 #include "softsim/core/gather.hpp"
-#include "softsim/mesh/ordering.hpp"
+#include "softsim/potential/hessian_blocks.hpp"
+#include "softsim/potential/stretches.hpp"
 
 // Everything that a loop over chunks calls is inlined into it by force: with g++ a batch is else handed over
 // through memory, which costs two to four times the arithmetic. Not where sanitizers multiply the code.
@@ -31,36 +32,6 @@
 #endif
 
 namespace softsim {
-
-namespace detail {
-
-/// Order in which stretches of stencils are worked off: stretches of one colour share no block of the state,
-/// so that several threads may scatter at once; the order, and with it every rounding, does not depend on how
-/// many there are. `stretch[s]` lists the blocks that stretch s touches. Returns the colour of each.
-[[nodiscard]] inline std::vector<int> colours(const std::vector<std::vector<std::int32_t>>& stretches) {
-  std::int32_t largest = -1;
-  for (const auto& s : stretches)
-    for (const std::int32_t b : s) largest = std::max(largest, b);
-  constexpr int limit = 64;
-  std::vector<std::uint64_t> taken(static_cast<std::size_t>(largest + 1));
-  std::vector<int> colour;
-  int beyond = limit;
-  for (const auto& s : stretches) {
-    std::uint64_t used = 0;
-    for (const std::int32_t b : s) used |= taken[static_cast<std::size_t>(b)];
-    int c = 0;
-    while (c < limit && (used >> c & 1U) != 0) ++c;
-    if (c == limit) {
-      colour.push_back(beyond++);  // a colour of its own
-      continue;
-    }
-    for (const std::int32_t b : s) taken[static_cast<std::size_t>(b)] |= std::uint64_t{1} << c;
-    colour.push_back(c);
-  }
-  return colour;
-}
-
-}  // namespace detail
 
 /// What a local force may declare beside `LocalForce`:
 ///  - `translation_invariant = true`: no translation of its points changes it. It is then given displacements
@@ -101,10 +72,10 @@ struct Stored<Remembered<D, T>> {
 /// A set of like stencils, evaluated N at a time on SIMD lanes (N = 1: one at a time): the only place that
 /// gathers unknowns and scatters forces. Stencils are sorted by model, so that every chunk of N shares its
 /// parameters, and cut into stretches, within which neighbours in a chunk share no block where that can be
-/// had. Stretches are worked off colour by colour: with OpenMP in parallel, and with the same bits for any
-/// number of threads. Lanes left over at the end of a stretch repeat a real stencil and are not scattered.
-/// One object serves one caller at a time. Models `ForceTerm`, and `Potential` where E has an energy. T is
-/// float or double.
+/// had. With OpenMP, stretches are worked off colour by colour in parallel, with the same bits for any number
+/// of threads; without, one after the other, which a large mesh's memory likes better. Lanes left over at the
+/// end of a stretch repeat a real stencil and are not scattered. One object serves one caller at a time.
+/// Models `ForceTerm`, and `Potential` where E has an energy. T is float or double.
 template <class E, class T = double, int N = default_lanes<T>>
 class Elements {
  public:
@@ -226,13 +197,13 @@ class Elements {
       for (int k = 0; k < s.count; ++k) f(stencil(s.first * lanes + static_cast<std::size_t>(k)));
   }
 
-  /// Adds scale times each stencil's Hessian to 3x3 blocks (nine scalars each, column-major). `positions`
-  /// holds, stencil by stencil in storage order, the block numbers of (0,0), (0,1), ... row-major; -1 leaves
-  /// a block out.
-  void add_blocks(const State<T>& q, T scale, const std::vector<std::int32_t>& positions, T* values) const {
+  /// Adds scale times the upper triangle of each stencil's Hessian to 3x3 blocks (nine scalars each,
+  /// column-major). `places` holds, stencil by stencil in storage order, those of the blocks (0,0), (0,1),
+  /// ..., (1,1), ...: see `SymmetricBlockMatrix::place`; -1 leaves a block out.
+  void add_blocks(const State<T>& q, T scale, const std::vector<std::int32_t>& places, T* values) const {
     const T* from = unknowns(q);
     for_each_stretch([&](const Stretch& s) {
-      add_blocks_of(s, from, scale, positions.data() + s.before * blocks * blocks, values);
+      add_blocks_of(s, from, scale, places.data() + s.before * Places::stride, values);
     });
   }
 
@@ -304,28 +275,13 @@ class Elements {
 
   void store(const std::vector<std::vector<std::size_t>>& members, const std::vector<RestData>& data,
              const std::vector<Stencil>& stencils) {
-    std::vector<std::vector<std::size_t>> parts;
-    std::vector<std::size_t> model_of;
-    for (std::size_t m = 0; m < members.size(); ++m)
-      for (std::size_t k = 0; k < members[m].size(); k += stretch_length) {
-        const std::size_t end = std::min(k + stretch_length, members[m].size());
-        parts.emplace_back(members[m].begin() + static_cast<std::ptrdiff_t>(k),
-                           members[m].begin() + static_cast<std::ptrdiff_t>(end));
-        spread(parts.back(), stencils);
-        model_of.push_back(m);
-      }
-    std::vector<std::vector<std::int32_t>> touched(parts.size());
-    for (std::size_t p = 0; p < parts.size(); ++p)
-      for (const std::size_t e : parts[p])
-        touched[p].insert(touched[p].end(), stencils[e].begin(), stencils[e].end());
-    const std::vector<int> colour = detail::colours(touched);
-    std::vector<std::size_t> order(parts.size());
-    for (std::size_t p = 0; p < order.size(); ++p) order[p] = p;
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::size_t a, std::size_t b) { return colour[a] < colour[b]; });
-
+    const std::vector<detail::StretchPlan> plans =
+        detail::plan_stretches<N>(members, stencils, stretch_length);
+#ifdef _OPENMP
+    coloured_ = true;
+#endif
     std::size_t chunks = 0;
-    for (const auto& part : parts) chunks += (part.size() + lanes - 1) / lanes;
+    for (const auto& plan : plans) chunks += (plan.stencils.size() + lanes - 1) / lanes;
     chunks_.resize(chunks);
     if constexpr (remembers) {
       for (const E& e : models_) memory_size_ = std::max(memory_size_, e.memory_size());
@@ -336,11 +292,10 @@ class Elements {
     size_ = stencils.size();
     std::size_t first = 0;
     int last_colour = -1;
-    for (const std::size_t p : order) {
-      const auto& part = parts[p];
-      if (colour[p] != last_colour) colour_begin_.push_back(stretches_.size());
-      last_colour = colour[p];
-      stretches_.push_back({model_of[p], first, static_cast<int>(part.size())});
+    for (const auto& [model, colour, part] : plans) {
+      if (colour != last_colour) colour_begin_.push_back(stretches_.size());
+      last_colour = colour;
+      stretches_.push_back({model, first, static_cast<int>(part.size())});
       const std::size_t count = (part.size() + lanes - 1) / lanes;
       for (std::size_t k = 0; k < count * lanes; ++k) {
         const std::size_t e = part[std::min(k, part.size() - 1)], place = first * lanes + k;
@@ -354,27 +309,6 @@ class Elements {
     }
     colour_begin_.push_back(stretches_.size());
     number_stencils();
-  }
-
-  // Puts stencils side by side that share no block, as far as there are such: a lane that adds to what the
-  // lane before it has just written waits for it, which costs a force on tetrahedra a tenth of its time.
-  static void spread(std::vector<std::size_t>& part, const std::vector<Stencil>& stencils) {
-    if constexpr (N > 1) {
-      std::vector<std::int32_t> touched;  // numbered by their places here, the list of users stays short
-      for (const std::size_t e : part) touched.insert(touched.end(), stencils[e].begin(), stencils[e].end());
-      std::sort(touched.begin(), touched.end());
-      touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
-      std::vector<Stencil> own;
-      for (const std::size_t e : part) {
-        own.push_back(stencils[e]);
-        for (std::int32_t& b : own.back())
-          b = static_cast<std::int32_t>(std::lower_bound(touched.begin(), touched.end(), b) -
-                                        touched.begin());
-      }
-      const std::vector<std::size_t> before = part;
-      std::size_t k = 0;
-      for (const std::int32_t i : stencil_order(own)) part[k++] = before[static_cast<std::size_t>(i)];
-    }
   }
 
   void number_stencils() {
@@ -433,7 +367,7 @@ class Elements {
   template <class Function>
   void for_each_stretch(Function f) const {
 #ifdef _OPENMP
-#pragma omp parallel if (stretches_.size() > 2)
+#pragma omp parallel if (coloured_ && stretches_.size() > 2)
 #endif
     for (std::size_t c = 0; c + 1 < colour_begin_.size(); ++c) {
       const auto begin = static_cast<std::ptrdiff_t>(colour_begin_[c]),
@@ -499,23 +433,23 @@ class Elements {
               model.linearised_product(data_of(*chunk), *item, gather_tangent(*chunk, d)), y);
   }
 
-  SOFTSIM_FLATTEN void add_blocks_of(const Stretch& s, const T* from, T scale, const std::int32_t* position,
+  using Places = detail::BlockPlaces<T, N, blocks>;
+  SOFTSIM_FLATTEN void add_blocks_of(const Stretch& s, const T* from, T scale, const std::int32_t* places,
                                      T* values) const {
     const E& model = models_[s.model];
     const Chunk* chunk = chunks_.data() + s.first;
-    for (int k = 0; k < s.count; k += N, ++chunk, position += N * blocks * blocks) {
-      const int count = std::min(N, s.count - k);
+    for (int k = 0; k < s.count; k += N, ++chunk, places += N * Places::stride) {
+      const Places to{values, places, std::min(N, s.count - k), scale};
       const Unknowns<E, Value> u = gather(*chunk, from);
       if constexpr (closed_blocks) {
-        add_closed_blocks(model, model.block_form(data_of(*chunk), u), count, scale, position, values);
+        detail::add_closed_blocks(model, model.block_form(data_of(*chunk), u), to);
       } else if constexpr (Linearisable<E, Value>) {
         const auto at = model.linearise(data_of(*chunk), u);
-        add_columns(count, scale, position, values, [&](const Tangent<E, Value>& d) {
-          return model.linearised_product(data_of(*chunk), at, d);
-        });
+        detail::add_block_columns<translation_invariant>(
+            to, [&](const Tangent<E, Value>& d) { return model.linearised_product(data_of(*chunk), at, d); });
       } else {
-        add_columns(count, scale, position, values,
-                    [&](const Tangent<E, Value>& d) { return model.hessian_product(data_of(*chunk), u, d); });
+        detail::add_block_columns<translation_invariant>(
+            to, [&](const Tangent<E, Value>& d) { return model.hessian_product(data_of(*chunk), u, d); });
       }
     }
   }
@@ -525,80 +459,6 @@ class Elements {
       requires(const E& e, const typename E::template Data<Value>& data, const Unknowns<E, Value>& u) {
     { e.template hessian_block<1, 1>(e.block_form(data, u)) } -> std::convertible_to<Mat3<Value>>;
   };
-
-  // Blocks (i, j) with 1 <= i <= j from the closed form; those of point 0 are minus the sums.
-  template <class Form>
-  static void add_closed_blocks(const E& model, const Form& form, int count, T scale,
-                                const std::int32_t* position, T* values) {
-    std::array<Mat3<Value>, blocks> first;  // (i, 0)
-    for (auto& m : first) m.setZero();
-    const auto add = [&](int i, int j, const Mat3<Value>& m) {
-      scatter_add_matrix<T, N>(values, position + i * blocks + j, blocks * blocks, m, count);
-    };
-    const auto each = [&]<int i, int j>() {
-      Mat3<Value> m = model.template hessian_block<i, j>(form);
-      m *= Value(scale);
-      add(i, j, m);
-      first[i] -= m;
-      if constexpr (i != j) {
-        const Mat3<Value> t = m.transpose();
-        add(j, i, t);
-        first[j] -= t;
-      }
-    };
-    const auto row = [&]<int i, int... k>(std::integer_sequence<int, k...>) {
-      (each.template operator()<i, i + k>(), ...);
-    };
-    [&]<int... i>(std::integer_sequence<int, i...>) {
-      (row.template operator()<i + 1>(std::make_integer_sequence<int, blocks - 1 - i>()), ...);
-    }
-    (std::make_integer_sequence<int, blocks - 1>());
-    for (int i = 1; i < blocks; ++i) {
-      const Mat3<Value>& m = first[static_cast<std::size_t>(i)];
-      const Mat3<Value> t = m.transpose();
-      add(i, 0, m);
-      add(0, i, t);
-      first[0] -= t;
-    }
-    add(0, 0, first[0]);
-  }
-
-  // Column by column from products.
-  template <class Product>
-  static void add_columns(int count, T scale, const std::int32_t* position, T* values, Product product) {
-    constexpr int begin = translation_invariant ? 1 : 0;
-    std::array<Mat3<Value>, blocks> sum;  // minus the sums over columns and rows, for point 0
-    for (auto& m : sum) m.setZero();
-    const auto add = [&](int i, int j, const Mat3<Value>& m) {
-      scatter_add_matrix<T, N>(values, position + i * blocks + j, blocks * blocks, m, count);
-    };
-    for (int j = begin; j < blocks; ++j) {
-      std::array<Mat3<Value>, blocks> m;
-      for (int a = 0; a < 3; ++a) {
-        Tangent<E, Value> unit = Tangent<E, Value>::Zero();
-        unit[3 * j + a] = Value(scale);
-        const Tangent<E, Value> column = product(unit);
-        for (int i = begin; i < blocks; ++i)
-          m[static_cast<std::size_t>(i)].col(a) = column.template segment<3>(3 * i);
-      }
-      Mat3<Value> top = Mat3<Value>::Zero();
-      for (int i = begin; i < blocks; ++i) {
-        add(i, j, m[static_cast<std::size_t>(i)]);
-        if constexpr (translation_invariant) {
-          sum[static_cast<std::size_t>(i)] -= m[static_cast<std::size_t>(i)];
-          top -= m[static_cast<std::size_t>(i)];
-        }
-      }
-      if constexpr (translation_invariant) add(0, j, top);
-    }
-    if constexpr (translation_invariant) {
-      for (int i = 1; i < blocks; ++i) {
-        add(i, 0, sum[static_cast<std::size_t>(i)]);
-        sum[0] -= sum[static_cast<std::size_t>(i)];
-      }
-      add(0, 0, sum[0]);
-    }
-  }
 
   static Unknowns<E, Value> gather(const Chunk& chunk, const T* from) {
     Unknowns<E, Value> u;
@@ -632,6 +492,7 @@ class Elements {
   std::size_t memory_size_ = 0;                                         // numbers of one stencil
   std::vector<Stretch> stretches_;                                      // in the order they are worked off
   std::vector<std::size_t> colour_begin_;   // first stretch of each colour, and the end
+  bool coloured_ = false;                   // not if made by code without OpenMP: then all are one colour
   std::vector<std::size_t> index_, place_;  // of each lane the place in the lists given, and back
   std::size_t size_ = 0;
   Vector<T> rest_;

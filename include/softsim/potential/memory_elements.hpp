@@ -113,9 +113,9 @@ class MemoryElements : Elements<E, T, N> {
     Base::add_hessian_product(q, d, y);
   }
   /// As `Elements::add_blocks`.
-  void add_blocks(const State<T>& q, T scale, const std::vector<std::int32_t>& positions, T* values) const {
+  void add_blocks(const State<T>& q, T scale, const std::vector<std::int32_t>& places, T* values) const {
     catch_up();
-    Base::add_blocks(q, scale, positions, values);
+    Base::add_blocks(q, scale, places, values);
   }
 
  private:

@@ -130,16 +130,16 @@ class NodalVolume {
 
   /// Adds scale times the Hessian to 3x3 blocks, as `Elements::add_blocks` does: V_e p_e d^2J_e of every
   /// tetrahedron, then V_a U''(J_a) dJ_a dJ_a^T of every patch.
-  void add_blocks(const State<T>& q, T scale, const std::vector<std::int32_t>& positions, T* values) const {
+  void add_blocks(const State<T>& q, T scale, const std::vector<std::int32_t>& places, T* values) const {
     average(q, nullptr);
     set_pressures();
     slopes_.setZero(3 * static_cast<std::ptrdiff_t>(ring_nodes_.size()));
-    const std::int32_t* position = positions.data();
+    const std::int32_t* place = places.data();
     for_each_chunk([&](const Chunk& chunk, int count) {
       const Mat3<Value> F = deformation_gradient(chunk, q);
       add_slopes(chunk, count, cofactor(F));
-      add_second_derivatives(chunk, count, F, scale, position, values);
-      position += 16 * count;
+      add_second_derivatives(chunk, count, F, scale, place, values);
+      place += 10 * count;
     });
     for (std::size_t a = 0; a + 1 < ring_start_.size(); ++a) {
       const auto slot = static_cast<std::ptrdiff_t>(a);
@@ -147,11 +147,13 @@ class NodalVolume {
       const T* g = slopes_.data() + 3 * ring_start_[a];
       const std::size_t n = ring(a).size();
       for (std::size_t i = 0; i < n; ++i)
-        for (std::size_t j = 0; j < n; ++j, ++position) {
-          if (*position < 0) continue;
-          T* block = values + 9 * static_cast<std::ptrdiff_t>(*position);
+        for (std::size_t j = i; j < n; ++j, ++place) {
+          if (*place < 0) continue;
+          T* block = values + 9 * static_cast<std::ptrdiff_t>(*place / 2);
+          const T *row = g + 3 * i, *column = g + 3 * j;
+          if (*place % 2 != 0) std::swap(row, column);
           for (std::size_t c = 0; c < 3; ++c)
-            for (std::size_t b = 0; b < 3; ++b) block[3 * c + b] += weight * g[3 * i + b] * g[3 * j + c];
+            for (std::size_t b = 0; b < 3; ++b) block[3 * c + b] += weight * row[b] * column[c];
         }
     }
   }
@@ -364,9 +366,10 @@ class NodalVolume {
 
   // V_e p_e d^2J_e: block (i, j) is -[F (g_i x g_j)]x, since the derivative of cof(F) g_i along a g_j^T is
   // -a x F (g_j x g_i) = -[F (g_i x g_j)]x a.
-  static void add_skew(const T (&r)[3], T sign, std::int32_t position, T* values) {
-    if (position < 0) return;
-    T* block = values + 9 * static_cast<std::ptrdiff_t>(position);
+  static void add_skew(const T (&r)[3], std::int32_t place, T* values) {
+    if (place < 0) return;
+    const T sign = place % 2 == 0 ? T(-1) : T(1);
+    T* block = values + 9 * static_cast<std::ptrdiff_t>(place / 2);
     block[1] += sign * r[2];
     block[2] -= sign * r[1];
     block[3] -= sign * r[2];
@@ -375,17 +378,17 @@ class NodalVolume {
     block[7] -= sign * r[0];
   }
   void add_second_derivatives(const Chunk& chunk, int count, const Mat3<Value>& F, T scale,
-                              const std::int32_t* position, T* values) const {
+                              const std::int32_t* places, T* values) const {
     const auto g = shape_gradients(chunk);
     const Value p = Value(scale) * chunk.data.volume * mean(chunk, p_);
-    for (std::size_t i = 0; i < 4; ++i)
+    int pair = 0;
+    for (std::size_t i = 0; i < 4; ++i, ++pair)
       for (std::size_t j = i + 1; j < 4; ++j) {
+        ++pair;
         const Vec3<Value> r = p * (F * g[i].cross(g[j]));
         for (int l = 0; l < count; ++l) {
           const T at[3] = {lane(r[0], l), lane(r[1], l), lane(r[2], l)};
-          const std::int32_t* of = position + 16 * l;
-          add_skew(at, T(-1), of[4 * i + j], values);
-          add_skew(at, T(1), of[4 * j + i], values);
+          add_skew(at, places[10 * l + pair], values);
         }
       }
   }

@@ -143,9 +143,9 @@ class PronyNodes {
     term_.for_each_stencil(f);
   }
   /// As the term, times `instant`.
-  void add_blocks(const State<T>& q, T scale, const std::vector<std::int32_t>& positions,
+  void add_blocks(const State<T>& q, T scale, const std::vector<std::int32_t>& places,
                   T* values) const requires has_hessian {
-    term_.add_blocks(q, static_cast<T>(step_.instant) * scale, positions, values);
+    term_.add_blocks(q, static_cast<T>(step_.instant) * scale, places, values);
   }
 
  private:

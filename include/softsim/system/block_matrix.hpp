@@ -14,94 +14,128 @@
 
 namespace softsim {
 
-/// Sparse matrix of 3x3 blocks in compressed rows, over flat vectors of blocks.
+/// Symmetric sparse matrix of 3x3 blocks over flat vectors of blocks. Of the blocks (i, j) those with i <= j
+/// are stored, in compressed rows; the others are their transposes. Half the numbers are half the time of an
+/// assembly and of a product, which wait for memory.
 template <class T>
-class BlockMatrix {
+class SymmetricBlockMatrix {
  public:
-  BlockMatrix() = default;
+  SymmetricBlockMatrix() = default;
 
-  /// Zero matrix with room for the given (row, column) blocks; repeated ones count once.
-  BlockMatrix(std::size_t rows, std::vector<std::pair<std::int32_t, std::int32_t>> blocks)
-      : row_start_(rows + 1, 0) {
+  /// Zero matrix with room for the given (row, column) blocks and their transposes; repeated ones count once.
+  SymmetricBlockMatrix(std::size_t rows, std::vector<std::pair<std::int32_t, std::int32_t>> blocks)
+      : row_start_(rows + 1, 0), lower_start_(rows + 1, 0) {
+    for (auto& [i, j] : blocks)
+      if (i > j) std::swap(i, j);
     std::sort(blocks.begin(), blocks.end());
     blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
     column_.reserve(blocks.size());
     for (const auto& [i, j] : blocks) {
       ++row_start_[static_cast<std::size_t>(i) + 1];
+      if (i != j) ++lower_start_[static_cast<std::size_t>(j) + 1];
       column_.push_back(j);
     }
-    for (std::size_t i = 0; i < rows; ++i) row_start_[i + 1] += row_start_[i];
+    for (std::size_t i = 0; i < rows; ++i) {
+      row_start_[i + 1] += row_start_[i];
+      lower_start_[i + 1] += lower_start_[i];
+    }
+    std::vector<std::int32_t> next = lower_start_;
+    lower_.resize(static_cast<std::size_t>(lower_start_.back()));
+    for (std::size_t k = 0; k < blocks.size(); ++k)
+      if (const auto [i, j] = blocks[k]; i != j)
+        lower_[static_cast<std::size_t>(next[static_cast<std::size_t>(j)]++)] = {static_cast<std::int32_t>(k),
+                                                                                 i};
     // The product reads four scalars where a column of a block has three: one more at the very end.
     values_.assign(9 * column_.size() + 1, T(0));
   }
 
   /// Number of block rows.
   [[nodiscard]] std::size_t rows() const { return row_start_.empty() ? 0 : row_start_.size() - 1; }
-  /// Number of blocks.
+  /// Number of stored blocks.
   [[nodiscard]] std::size_t blocks() const { return column_.size(); }
-  /// Position of block (i, j), or -1 if the pattern has none.
-  [[nodiscard]] std::int32_t position(std::int32_t i, std::int32_t j) const {
-    const auto first = column_.begin() + row_start_[static_cast<std::size_t>(i)];
-    const auto last = column_.begin() + row_start_[static_cast<std::size_t>(i) + 1];
-    const auto found = std::lower_bound(first, last, j);
-    return found != last && *found == j ? static_cast<std::int32_t>(found - column_.begin()) : -1;
+  /// Place of block (i, j): 2 k if it is stored block k, 2 k + 1 if it is the transpose of that, -1 if the
+  /// pattern does not have it.
+  [[nodiscard]] std::int32_t place(std::int32_t i, std::int32_t j) const {
+    const auto [row, column] = std::minmax(i, j);
+    const auto first = column_.begin() + row_start_[static_cast<std::size_t>(row)];
+    const auto last = column_.begin() + row_start_[static_cast<std::size_t>(row) + 1];
+    const auto found = std::lower_bound(first, last, column);
+    if (found == last || *found != column) return -1;
+    return 2 * static_cast<std::int32_t>(found - column_.begin()) + (i > j ? 1 : 0);
   }
 
-  /// Nine scalars per block, column-major, in the order of the positions.
+  /// Nine scalars per stored block, column-major, row after row.
   [[nodiscard]] T* values() { return values_.data(); }
   [[nodiscard]] const T* values() const { return values_.data(); }
-  /// Block at a position, writable.
-  [[nodiscard]] Eigen::Map<Mat3<T>> block(std::int32_t position) {
-    return Eigen::Map<Mat3<T>>(values() + 9 * static_cast<std::ptrdiff_t>(position));
+  /// Stored block k, writable.
+  [[nodiscard]] Eigen::Map<Mat3<T>> block(std::int32_t k) {
+    return Eigen::Map<Mat3<T>>(values() + 9 * static_cast<std::ptrdiff_t>(k));
   }
-  /// Block at a position.
-  [[nodiscard]] Eigen::Map<const Mat3<T>> block(std::int32_t position) const {
-    return Eigen::Map<const Mat3<T>>(values() + 9 * static_cast<std::ptrdiff_t>(position));
+  /// Stored block k.
+  [[nodiscard]] Eigen::Map<const Mat3<T>> block(std::int32_t k) const {
+    return Eigen::Map<const Mat3<T>>(values() + 9 * static_cast<std::ptrdiff_t>(k));
   }
   /// Sets all values to zero and keeps the pattern.
   void set_zero() { std::fill(values_.begin(), values_.end(), T(0)); }
 
-  /// y = A x.
+  /// y = A x. Every row gathers its transposed blocks from the rows above it, where a good order of the nodes
+  /// finds them in the cache; nothing is scattered, so that threads do not change a bit.
   void apply(const Vector<T>& x, Vector<T>& y) const {
-    using Four = Batch<T, 4>;
+    using Four = Batch<T, 4>;  // its fourth lane takes in the neighbouring scalar and is dropped
     const auto count = static_cast<std::ptrdiff_t>(rows());
 #ifdef _OPENMP
 #pragma omp parallel for schedule(static) if (count > 1000)
 #endif
-    for (std::ptrdiff_t i = 0; i < count; ++i) {
-      Four sum(0);  // its fourth lane gathers the neighbouring scalar and is dropped
-      const std::int32_t begin = row_start_[static_cast<std::size_t>(i)],
-                         end = row_start_[static_cast<std::size_t>(i) + 1];
-      const T* value = values_.data() + 9 * static_cast<std::ptrdiff_t>(begin);
-      for (std::int32_t k = begin; k < end; ++k, value += 9) {
-        const T* xj =
-            x.data() + block_stride * static_cast<std::ptrdiff_t>(column_[static_cast<std::size_t>(k)]);
+    for (std::ptrdiff_t row = 0; row < count; ++row) {
+      const auto i = static_cast<std::size_t>(row);
+      const auto at = [&](std::int32_t j) {
+        return x.data() + block_stride * static_cast<std::ptrdiff_t>(j);
+      };
+      Four sum(0), dot[3] = {Four(0), Four(0), Four(0)};
+      const T* value = values_.data() + 9 * static_cast<std::ptrdiff_t>(row_start_[i]);
+      for (std::int32_t k = row_start_[i]; k < row_start_[i + 1]; ++k, value += 9) {
+        const T* xj = at(column_[static_cast<std::size_t>(k)]);
         sum += Four::load(value) * Four(xj[0]) + Four::load(value + 3) * Four(xj[1]) +
                Four::load(value + 6) * Four(xj[2]);
       }
-      T* yi = y.data() + block_stride * i;
+      for (std::int32_t k = lower_start_[i]; k < lower_start_[i + 1]; ++k) {
+        const Transposed& t = lower_[static_cast<std::size_t>(k)];
+        const Four xj = Four::load(at(t.column));
+        const T* column = values_.data() + 9 * static_cast<std::ptrdiff_t>(t.block);
+        for (int a = 0; a < 3; ++a) dot[a] += Four::load(column + 3 * a) * xj;
+      }
+      T* yi = y.data() + block_stride * row;
       sum.store(yi);
+      for (int a = 0; a < 3; ++a) yi[a] += lane(dot[a], 0) + lane(dot[a], 1) + lane(dot[a], 2);
       yi[3] = T(0);
     }
   }
 
-  /// The same matrix with three scalars per block row, for Eigen's own solvers; see `pack` and `unpack`.
+  /// The same matrix with three scalars per block row and both triangles, for Eigen's own solvers; see `pack`
+  /// and `unpack`.
   [[nodiscard]] Eigen::SparseMatrix<T> to_eigen() const {
     std::vector<Eigen::Triplet<T>> entries;
-    entries.reserve(9 * column_.size());
+    entries.reserve(18 * column_.size());
     for (std::size_t i = 0; i < rows(); ++i)
-      for (std::int32_t k = row_start_[i]; k < row_start_[i + 1]; ++k)
+      for (std::int32_t k = row_start_[i]; k < row_start_[i + 1]; ++k) {
+        const int row = 3 * static_cast<int>(i), column = 3 * column_[static_cast<std::size_t>(k)];
         for (int b = 0; b < 3; ++b)
-          for (int a = 0; a < 3; ++a)
-            entries.emplace_back(3 * static_cast<int>(i) + a, 3 * column_[static_cast<std::size_t>(k)] + b,
-                                 block(k)(a, b));
+          for (int a = 0; a < 3; ++a) {
+            entries.emplace_back(row + a, column + b, block(k)(a, b));
+            if (row != column) entries.emplace_back(column + b, row + a, block(k)(a, b));
+          }
+      }
     Eigen::SparseMatrix<T> A(3 * static_cast<int>(rows()), 3 * static_cast<int>(rows()));
     A.setFromTriplets(entries.begin(), entries.end());
     return A;
   }
 
  private:
-  std::vector<std::int32_t> row_start_, column_;
+  struct Transposed {
+    std::int32_t block, column;
+  };
+  std::vector<std::int32_t> row_start_, column_, lower_start_;
+  std::vector<Transposed> lower_;
   std::vector<T> values_;
 };
 

@@ -25,14 +25,14 @@ struct TangentWeights {
 
 namespace detail {
 
-// Block positions of all stencils of one term in a matrix, row-major per stencil.
-template <class Term, class Position>
-std::vector<std::int32_t> stencil_positions(const Term& term, Position position) {
+// Places of the upper triangles of all stencils of one term in a matrix.
+template <class Term, class Place>
+std::vector<std::int32_t> stencil_places(const Term& term, Place place) {
   std::vector<std::int32_t> result;
   if constexpr (Term::has_hessian)
     term.for_each_stencil([&](const auto& stencil) {
-      for (const std::int32_t i : stencil)
-        for (const std::int32_t j : stencil) result.push_back(position(i, j));
+      for (std::size_t i = 0; i < stencil.size(); ++i)
+        for (std::size_t j = i; j < stencil.size(); ++j) result.push_back(place(stencil[i], stencil[j]));
     });
   return result;
 }
@@ -49,12 +49,12 @@ std::size_t stencil_count(const S& system) {
 // Adds scale K(q) block by block, without the terms that are damping forces themselves if not asked for them.
 template <bool with_viscous = true, class S, class T>
 void add_stiffness(const S& system, const State<T>& q, double scale,
-                   const std::vector<std::vector<std::int32_t>>& positions, T* values) {
+                   const std::vector<std::vector<std::int32_t>>& places, T* values) {
   std::size_t k = 0;
   system.for_each_term([&](const auto& term) {
     using Term = std::decay_t<decltype(term)>;
     if constexpr (Term::has_hessian && (with_viscous || !is_viscous<Term>))
-      term.add_blocks(q, static_cast<T>(scale), positions[k], values);
+      term.add_blocks(q, static_cast<T>(scale), places[k], values);
     ++k;
   });
 }
@@ -71,21 +71,22 @@ class AssembledTangent {
   /// Linearises `system` at q (and q_0, if its weight is not zero).
   void set(const S& system, const State<T>& q, const TangentWeights& weights, const State<T>* q_0 = nullptr) {
     if (number_ != system.number() || stencils_ != detail::stencil_count(system) ||
-        mass_positions_.size() != system.mass.couplings())
+        mass_places_.size() != system.mass.couplings())
       make_pattern(system);
     system_ = &system;
     matrix_.set_zero();
-    detail::add_stiffness(system, q, weights.stiffness, positions_, matrix_.values());
+    detail::add_stiffness(system, q, weights.stiffness, places_, matrix_.values());
     if (weights.lagged != 0)
-      detail::add_stiffness<false>(system, *q_0, weights.lagged, positions_, matrix_.values());
+      detail::add_stiffness<false>(system, *q_0, weights.lagged, places_, matrix_.values());
     if (weights.mass != 0) {
       const T w = static_cast<T>(weights.mass);
       for (std::size_t i = 0; i < diagonal_.size(); ++i)
         matrix_.block(diagonal_[i]).diagonal() +=
             w * block(system.mass.diagonal(), static_cast<std::ptrdiff_t>(i));
       std::size_t k = 0;
-      system.mass.for_each_coupling([&](std::int32_t, std::int32_t, T m) {
-        matrix_.block(mass_positions_[k++]).diagonal().array() += w * m;
+      system.mass.for_each_coupling([&](std::int32_t i, std::int32_t j, T m) {
+        if (i < j) matrix_.block(mass_places_[k] / 2).diagonal().array() += w * m;
+        ++k;
       });
     }
   }
@@ -103,7 +104,7 @@ class AssembledTangent {
   }
 
   /// The matrix, prescribed components included.
-  [[nodiscard]] const BlockMatrix<T>& matrix() const { return matrix_; }
+  [[nodiscard]] const SymmetricBlockMatrix<T>& matrix() const { return matrix_; }
 
  private:
   void make_pattern(const S& system) {
@@ -116,30 +117,29 @@ class AssembledTangent {
     system.for_each_term([&](const auto& term) {
       if constexpr (std::decay_t<decltype(term)>::has_hessian)
         term.for_each_stencil([&](const auto& stencil) {
-          for (const std::int32_t i : stencil)
-            for (const std::int32_t j : stencil) blocks.emplace_back(i, j);
+          for (std::size_t i = 0; i < stencil.size(); ++i)
+            for (std::size_t j = i; j < stencil.size(); ++j) blocks.emplace_back(stencil[i], stencil[j]);
         });
     });
     system.mass.for_each_coupling([&](std::int32_t i, std::int32_t j, T) { blocks.emplace_back(i, j); });
-    matrix_ = BlockMatrix<T>(n, std::move(blocks));
-    const auto position = [&](std::int32_t i, std::int32_t j) { return matrix_.position(i, j); };
-    positions_.clear();
-    system.for_each_term(
-        [&](const auto& term) { positions_.push_back(detail::stencil_positions(term, position)); });
+    matrix_ = SymmetricBlockMatrix<T>(n, std::move(blocks));
+    const auto place = [&](std::int32_t i, std::int32_t j) { return matrix_.place(i, j); };
+    places_.clear();
+    system.for_each_term([&](const auto& term) { places_.push_back(detail::stencil_places(term, place)); });
     diagonal_.clear();
     for (std::size_t i = 0; i < n; ++i)
-      diagonal_.push_back(position(static_cast<std::int32_t>(i), static_cast<std::int32_t>(i)));
-    mass_positions_.clear();
+      diagonal_.push_back(place(static_cast<std::int32_t>(i), static_cast<std::int32_t>(i)) / 2);
+    mass_places_.clear();
     system.mass.for_each_coupling(
-        [&](std::int32_t i, std::int32_t j, T) { mass_positions_.push_back(position(i, j)); });
+        [&](std::int32_t i, std::int32_t j, T) { mass_places_.push_back(place(i, j)); });
   }
 
   const S* system_ = nullptr;
   std::uint64_t number_ = 0;
   std::size_t stencils_ = 0;
-  BlockMatrix<T> matrix_;
-  std::vector<std::vector<std::int32_t>> positions_;
-  std::vector<std::int32_t> diagonal_, mass_positions_;
+  SymmetricBlockMatrix<T> matrix_;
+  std::vector<std::vector<std::int32_t>> places_;
+  std::vector<std::int32_t> diagonal_, mass_places_;
 };
 
 namespace detail {
@@ -180,10 +180,10 @@ class MatrixFreeTangent {
     if (number_ != system.number() || stencils_ != detail::stencil_count(system)) {
       number_ = system.number();
       stencils_ = detail::stencil_count(system);
-      positions_.clear();
+      places_.clear();
       system.for_each_term([&](const auto& term) {
-        positions_.push_back(
-            detail::stencil_positions(term, [](std::int32_t i, std::int32_t j) { return i == j ? i : -1; }));
+        places_.push_back(
+            detail::stencil_places(term, [](std::int32_t i, std::int32_t j) { return i == j ? 2 * i : -1; }));
       });
     }
     system_ = &system;
@@ -219,9 +219,8 @@ class MatrixFreeTangent {
           static_cast<T>(weights_.mass) *
           block(system_->mass.diagonal(), static_cast<std::ptrdiff_t>(i)).asDiagonal().toDenseMatrix();
     T* values = blocks.front().data();
-    detail::add_stiffness(*system_, *q_, weights_.stiffness, positions_, values);
-    if (weights_.lagged != 0)
-      detail::add_stiffness<false>(*system_, *q_0_, weights_.lagged, positions_, values);
+    detail::add_stiffness(*system_, *q_, weights_.stiffness, places_, values);
+    if (weights_.lagged != 0) detail::add_stiffness<false>(*system_, *q_0_, weights_.lagged, places_, values);
   }
 
  private:
@@ -230,7 +229,8 @@ class MatrixFreeTangent {
   void add_product(const Vector<T>& x, Vector<T>& y) const {
     [&]<std::size_t... i>(std::index_sequence<i...>) {
       (add_product_of(std::get<i>(system_->terms), std::get<i>(kept_), x, y), ...);
-    }(std::make_index_sequence<std::tuple_size_v<AllKept>>());
+    }
+    (std::make_index_sequence<std::tuple_size_v<AllKept>>());
   }
   template <class Term, class Kept>
   void add_product_of(const Term& term, const Kept& kept, const Vector<T>& x, Vector<T>& y) const {
@@ -246,7 +246,8 @@ class MatrixFreeTangent {
         if constexpr (!std::is_same_v<std::decay_t<decltype(kept)>, detail::KeepsNothing>) f(term, kept);
       };
       (one(std::get<i>(system_->terms), std::get<i>(kept_)), ...);
-    }(std::make_index_sequence<std::tuple_size_v<AllKept>>());
+    }
+    (std::make_index_sequence<std::tuple_size_v<AllKept>>());
   }
 
   const S* system_ = nullptr;
@@ -255,7 +256,7 @@ class MatrixFreeTangent {
   TangentWeights weights_;
   std::uint64_t number_ = 0;
   std::size_t stencils_ = 0;
-  std::vector<std::vector<std::int32_t>> positions_;
+  std::vector<std::vector<std::int32_t>> places_;
   mutable Vector<T> scratch_;
 };
 
