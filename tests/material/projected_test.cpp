@@ -6,13 +6,17 @@
 #include <vector>
 
 #include "material/law_checks.hpp"
+#include "softsim/material/corotational.hpp"
+#include "softsim/material/holzapfel_gasser_ogden.hpp"
+#include "softsim/material/linear_elastic.hpp"
 #include "softsim/material/ogden.hpp"
+#include "softsim/material/sum.hpp"
 
 namespace projected_test {
 
 using namespace law_checks;
-using softsim::Batch, softsim::Invariants, softsim::NeoHookean, softsim::Ogden, softsim::Projected,
-    softsim::projected, softsim::SpdFilter, softsim::StableNeoHookean;
+using softsim::Batch, softsim::Corotational, softsim::Invariants, softsim::NeoHookean, softsim::Ogden,
+    softsim::Projected, softsim::projected, softsim::SpdFilter, softsim::StableNeoHookean;
 
 /// All first and second derivatives by I1, I2 and J are there, of both signs.
 struct Coupled : softsim::Isotropic<Coupled> {
@@ -35,6 +39,8 @@ struct Coupled : softsim::Isotropic<Coupled> {
 
 static_assert(softsim::Material<Projected<NeoHookean>> &&
               softsim::Material<Projected<Ogden>, Batch<float, 8>>);
+static_assert(softsim::HasPrincipalTangent<Corotational> &&
+              !softsim::HasPrincipalTangent<softsim::LinearElastic>);
 // routes that take a law apart would lose the filter
 static_assert(!softsim::InvariantLaw<Projected<NeoHookean>> && !softsim::StretchLaw<Projected<Ogden>>);
 
@@ -96,6 +102,27 @@ void expect_filtered(const Law& law, bool inverted, double rounding) {
 TEST(Projected, EigenvaluesAreFilteredStableNeoHookean) { expect_filtered(stable, true, 1e-13); }
 TEST(Projected, EigenvaluesAreFilteredOfALawWithAllDerivatives) { expect_filtered(Coupled(), true, 1e-13); }
 TEST(Projected, EigenvaluesAreFilteredOgden) { expect_filtered(ogden, false, 1e-13); }
+
+// Its twist has a pole where two stretches cancel: there is no tangent to compare with, and none is near.
+TEST(Projected, EigenvaluesAreFilteredCorotational) {
+  expect_filtered(Corotational::from_young_poisson(10, 0.3), false, 1e-13);
+}
+
+// Fibres that bear tension only have a tangent without negative eigenvalues, so that the sum with a projected
+// matrix has none; in compression the matrix alone is left.
+TEST(Projected, MatrixWithFibresHasNoNegativeEigenvalue) {
+  const softsim::HolzapfelGasserOgden fibres({.k1 = 5, .k2 = 2, .kappa = 0.1});
+  const auto law = (projected(stable) + fibres).along({1, 0, 0}, Vec3<double>(1, 1, 0).normalized());
+  const auto plain = (stable + fibres).along({1, 0, 0}, Vec3<double>(1, 1, 0).normalized());
+  int indefinite = 0;
+  for (const Matrix& F : deformations(true)) {
+    const Tangent9 K = tangent(law, F);
+    const Tangent9 symmetric = 0.5 * (K + K.transpose());
+    EXPECT_GE(Eigen::SelfAdjointEigenSolver<Tangent9>(symmetric).eigenvalues()[0], -1e-13 * K.norm()) << F;
+    if (Eigen::SelfAdjointEigenSolver<Tangent9>(tangent(plain, F)).eigenvalues()[0] < -1e-3) ++indefinite;
+  }
+  EXPECT_GE(indefinite, 10);
+}
 
 TEST(Projected, EnergyAndStressAreTheLawsOwn) {
   const auto law = projected(neo_hookean, SpdFilter::absolute);

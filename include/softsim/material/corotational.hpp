@@ -10,6 +10,7 @@
 #include "softsim/core/polar.hpp"
 #include "softsim/core/tensor.hpp"
 #include "softsim/material/lame.hpp"
+#include "softsim/material/principal_tangent.hpp"
 
 namespace softsim {
 
@@ -74,6 +75,31 @@ class Corotational : public LameLaw<Corotational> {
     return R * skew(w);
   }
 };
+
+/// Tangent of corotational elasticity in principal axes: with w = mu sum (s_i - 1)^2 + lambda/2 (sum s_i -
+/// 3)^2, flip is 2 mu and twist 2 mu + 2 (lambda (tr S - 3) - 2 mu)/(s_i + s_j), the divisor held off zero as
+/// above.
+template <class T>
+[[nodiscard]] PrincipalTangent<T> principal_tangent(const Corotational& law, const Mat3<T>& F) {
+  using std::max;
+  using Real = decltype(lane(std::declval<T>(), 0));
+  const SignedSvd<T> svd = signed_svd(F);
+  const Vec3<T>& s = svd.s;
+  const T two_mu = T(2 * law.mu()), lambda = T(law.lambda());
+  const T change = (s[0] - T(1)) + (s[1] - T(1)) + (s[2] - T(1));
+  const T least = T(std::numeric_limits<Real>::epsilon()) * s[0] + T(std::numeric_limits<Real>::min());
+  PrincipalTangent<T> K;
+  K.U = svd.U;
+  K.V = svd.V;
+  for (int k = 0; k < 3; ++k) {
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
+    K.stretch(k, k) = two_mu + lambda;
+    K.stretch(i, j) = K.stretch(j, i) = lambda;
+    K.flip[k] = two_mu;
+    K.twist[k] = two_mu + T(2) * (lambda * change - two_mu) / max(T(s[i] + s[j]), least);
+  }
+  return K;
+}
 
 /// Corotational elasticity whose products leave out the derivative of R, dP = R (2 mu sym(R^T dF) + lambda
 /// tr(R^T dF) I): the 'warped stiffness' R K0 R^T of real-time codes. Energy and force are those of

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <concepts>
 #include <utility>
 
 #include "softsim/concepts.hpp"
@@ -11,14 +12,22 @@
 
 namespace softsim {
 
+/// An isotropic law whose tangent is known in principal axes: an `InvariantLaw`, a `StretchLaw`, or one with
+/// a `principal_tangent` of its own, as `Corotational`.
+template <class Law>
+concept HasPrincipalTangent = requires(const Law& law, const Mat3<double>& F) {
+  { principal_tangent(law, F) } -> std::same_as<PrincipalTangent<double>>;
+};
+
 /// An isotropic law whose tangent has no negative eigenvalue: energy and stress are the law's own, the
 /// derivative of the stress is filtered (see `SpdFilter`). With it Newton's method always has a descent
 /// direction, also from states where the energy is not convex; where the tangent is positive semidefinite
 /// nothing changes. The Hessian of every element with a constant B is then positive semidefinite, and so is
-/// their sum. A `Material`, but deliberately no `InvariantLaw` or `StretchLaw`: routes that take those apart
-/// would lose the filter.
+/// their sum. A fibre term that bears tension only needs no filter: `projected(matrix) + fibres` has one
+/// where it can be negative. A `Material`, but deliberately no `InvariantLaw` or `StretchLaw`: routes that
+/// take those apart would lose the filter.
 template <class Law>
-requires InvariantLaw<Law> || StretchLaw<Law>
+requires HasPrincipalTangent<Law>
 class Projected {
  public:
   explicit Projected(Law law, SpdFilter filter = SpdFilter::clamp) : law_(std::move(law)), filter_(filter) {}
@@ -72,7 +81,7 @@ class Projected {
 
 /// `law` with a filtered tangent: `elastic(mesh, projected(law))` gives Newton projected Hessians.
 template <class Law>
-requires InvariantLaw<Law> || StretchLaw<Law>
+requires HasPrincipalTangent<Law>
 [[nodiscard]] Projected<Law> projected(const Law& law, SpdFilter filter = SpdFilter::clamp) {
   return Projected<Law>(law, filter);
 }
