@@ -162,21 +162,24 @@ void add_assembly(const std::string& route, int n) {
 
 [[maybe_unused]] const bool registered = [] {
   for_each_kind_and_size([]<class K>(K kind, int n) {
-    using F = ByGradient<K>;
-    add_product<K, F>("f", n);
-    add_assembly<K, F>("f", n);
-    if constexpr (InvariantLaw<typename K::Law>) {
-      add_product<K, ByEdges<K>>("heml", n);
-      add_assembly<K, ByEdges<K>>("heml", n);
-    }
-    add("apply", kind, "assembled", n, [n](benchmark::State& state) {
-      auto& c = cached<AssembledCase<K, F>>(n);
-      measure(state, tetrahedra(n), c.error, rounding<typename K::T>, [&] { c.apply(); });
-    });
-    if constexpr (std::is_same_v<typename K::Law, NeoHookean>) {
-      add_iteration<K, F, Assembled>("assembled", n);
-      add_iteration<K, F, MatrixFree>("matrix_free", n);
-      add_iteration<K, ByEdges<K>, MatrixFree>("matrix_free_heml", n);
+    // the other laws' tangents in single precision take minutes to compile and tell nothing new
+    if constexpr (std::is_same_v<typename K::Law, NeoHookean> || std::is_same_v<typename K::T, double>) {
+      using F = ByGradient<K>;
+      add_product<K, F>("f", n);
+      add_assembly<K, F>("f", n);
+      if constexpr (InvariantLaw<typename K::Law>) {
+        add_product<K, ByEdges<K>>("heml", n);
+        add_assembly<K, ByEdges<K>>("heml", n);
+      }
+      add("apply", kind, "assembled", n, [n](benchmark::State& state) {
+        auto& c = cached<AssembledCase<K, F>>(n);
+        measure(state, tetrahedra(n), c.error, rounding<typename K::T>, [&] { c.apply(); });
+      });
+      if constexpr (std::is_same_v<typename K::Law, NeoHookean>) {
+        add_iteration<K, F, Assembled>("assembled", n);
+        add_iteration<K, F, MatrixFree>("matrix_free", n);
+        add_iteration<K, ByEdges<K>, MatrixFree>("matrix_free_heml", n);
+      }
     }
   });
   return true;

@@ -95,7 +95,8 @@ concept NonlinearKinematics = Kinematics<K, T> &&
   { K::geometric_product(data, u, P, du) } -> std::convertible_to<Tangent<K, T>>;
 };
 
-/// Pure functions on one stencil: gradient (minus the force, N) and its derivative in a direction.
+/// Pure functions on one stencil: gradient (minus the force, N) and its derivative in a direction, or the
+/// symmetric part of that where it is not symmetric: an assembled tangent keeps one triangle.
 template <class E, class T = double>
 concept LocalForce = requires(const E& e, const typename E::template Data<T>& data, const Unknowns<E, T>& u,
                               const Tangent<E, T>& du) {

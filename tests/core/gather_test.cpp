@@ -45,8 +45,7 @@ class Gather : public ::testing::Test {
 };
 
 using AllLanes = ::testing::Types<Lanes<double, 1>, Lanes<double, 2>, Lanes<double, 4>, Lanes<double, 8>,
-                                  Lanes<double, 16>, Lanes<float, 1>, Lanes<float, 2>, Lanes<float, 4>,
-                                  Lanes<float, 8>, Lanes<float, 16>, Lanes<float, 32>>;
+                                  Lanes<float, 1>, Lanes<float, 4>, Lanes<float, 8>, Lanes<float, 16>>;
 TYPED_TEST_SUITE(Gather, AllLanes);
 
 TYPED_TEST(Gather, ReadsEveryComponentOfEveryLane) {
@@ -112,9 +111,10 @@ TYPED_TEST(Gather, AddsMatricesOrTheirTransposesAndNothingBesideThem) {
     for (int trial = 0; trial < 4; ++trial) {
       std::vector<T> y(static_cast<std::size_t>(9 * TestFixture::blocks)), expected = y;
       const BlockIds<N> ids = this->ids();
-      std::array<std::int32_t, static_cast<std::size_t>(N * stride)> places{};
+      // not one more than the lanes that count may read
+      std::vector<std::int32_t> places(static_cast<std::size_t>((count - 1) * stride + 1));
       std::uniform_int_distribution<std::int32_t> odd(0, 1), left_out(0, 4);
-      for (int l = 0; l < N; ++l)
+      for (int l = 0; l < count; ++l)
         places[static_cast<std::size_t>(l * stride)] =
             left_out(this->generator) == 0 ? -1 : 2 * ids[static_cast<std::size_t>(l)] + odd(this->generator);
       Mat3<TypeParam> m;

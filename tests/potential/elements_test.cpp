@@ -90,6 +90,17 @@ TYPED_TEST(ElementsOf, AddToWhatIsThere) {
     EXPECT_EQ(y[i], T(0)) << "padding of a block";
 }
 
+TEST(Elements, RefusesAStencilThatHasABlockTwice) {
+  using Set = softsim::Elements<Model>;
+  std::vector<Set::RestData> data;
+  const TetrahedralMesh mesh = softsim::box_mesh({1, 1, 1}, {1, 1, 1});
+  std::array<bodies::Vec, 4> X;
+  for (std::size_t i = 0; i < 4; ++i) X[i] = mesh.points()[static_cast<std::size_t>(mesh.tetrahedra()[0][i])];
+  data.assign(2, softsim::LinearTetrahedron::make(X));
+  const std::vector<softsim::Tetrahedron> stencils{{0, 1, 2, 3}, {4, 5, 6, 4}};
+  EXPECT_EQ(refusal([&] { Set({{law}}, data, stencils); }), "element 1: node 4 occurs twice");
+}
+
 TYPED_TEST(ElementsOf, VisitEveryStencilOnce) {
   using T = typename TypeParam::T;
   const TetrahedralMesh mesh = bodies::first_tetrahedra(cube, 19);

@@ -10,8 +10,9 @@
 #include <immintrin.h>
 #endif
 
-// With the instruction set the layout of a batch changes: the namespace carries the width, so that objects
-// built with different -march flags do not share symbols.
+// With the instruction set the layout of a batch changes: the namespace carries the width, so that batches of
+// objects built with different -march flags are different types. Compile a program with one -march all the
+// same: what is not made of batches has the same name with every flag.
 #if defined(__AVX512F__)
 #define SOFTSIM_SIMD_BYTES 64
 #define SOFTSIM_SIMD_NAMESPACE simd512

@@ -142,16 +142,17 @@ template <class T, int N, int... L>
     ((L < count ? add_block<L>(r, place(L)) : void()), ...);
 }
 
-// Where the places are odd.
+// Where the places of the first `count` lanes are odd; those of the others are not read.
 template <class T, int N, int... L>
-[[gnu::always_inline]] inline BatchMask<T, N> odd(const std::int32_t* places, int stride,
+[[gnu::always_inline]] inline BatchMask<T, N> odd(const std::int32_t* places, int stride, int count,
                                                   std::integer_sequence<int, L...>) {
   if constexpr (is_wide<T, N>) {
     constexpr auto half = std::make_integer_sequence<int, N / 2>{};
-    return {odd<T, N / 2>(places, stride, half), odd<T, N / 2>(places + N / 2 * stride, stride, half)};
+    return {odd<T, N / 2>(places, stride, count, half),
+            odd<T, N / 2>(places + N / 2 * stride, stride, count - N / 2, half)};
   } else {
     using Register = typename VectorRegister<MaskInteger<T>, N>::type;
-    return {Register{-MaskInteger<T>(places[L * stride] & 1)...}};
+    return {Register{(L < count ? -MaskInteger<T>(places[L * stride] & 1) : MaskInteger<T>(0))...}};
   }
 }
 
@@ -260,9 +261,11 @@ template <class T, int N, std::size_t P>
   }
 }
 
-/// Adds lane l of the 3x3 matrix m (and of nothing else) to one of the blocks of nine scalars, column by
-/// column, that follow each other in `values`, for the first `count` lanes. The place p of a lane at places[l
-/// * stride] means block p / 2, and the transpose of m if p is odd; a negative place leaves the lane out.
+/// Adds lane l of the 3x3 matrix m to one of the blocks that follow each other in `values`, nine scalars
+/// each, column by column, for the first `count` lanes. The place p of a lane, at places[l * stride], means
+/// block p / 2, and the transpose of m if p is odd; a negative one leaves the lane out. No place of a lane
+/// from `count` on is read, and nothing but those nine scalars is touched: other threads may add to the
+/// blocks beside it.
 // Not inlined: an assembly calls it for ten blocks and more, and each would be a few hundred instructions.
 template <class T, int N>
 [[gnu::noinline]] void scatter_add_matrix(T* values, const std::int32_t* places, int stride,
@@ -277,7 +280,7 @@ template <class T, int N>
   } else {
     constexpr auto all = std::make_integer_sequence<int, N>{};
     using B = Batch<T, N>;
-    const auto turned = simd_detail::odd<T, N>(places, stride, all);
+    const auto turned = simd_detail::odd<T, N>(places, stride, count, all);
     const auto entry = [&](int a, int b) { return select(turned, m(b, a), m(a, b)); };
     B first[4] = {m(0, 0), entry(1, 0), entry(2, 0), entry(0, 1)},
       second[4] = {m(1, 1), entry(2, 1), entry(0, 2), entry(1, 2)};

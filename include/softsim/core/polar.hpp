@@ -149,12 +149,12 @@ template <class T>
   return C;
 }
 
-/// The trace t = tr S = s1 + s2 + s3 is the largest root of (t^2 - |A|^2)^2 - 4 |cof A|^2 - 8 t det A = 0, and R
-/// is its derivative with respect to A: R S times a polynomial of S with factors of t, hence R times a symmetric
-/// tensor whatever t. Halley's method falls to the root from sqrt(3) |A| >= t; two steps do for stretches of 0.7
-/// to 1.4. Like most rounding errors, an error of t makes the symmetric tensor differ from I, which one step
-/// towards the nearest orthogonal tensor takes away to second order. Everything divides by
-/// (s1 + s2)(s1 + s3)(s2 + s3).
+/// The trace t = tr S = s1 + s2 + s3 is the largest root of (t^2 - |A|^2)^2 - 4 |cof A|^2 - 8 t det A = 0,
+/// and R is its derivative with respect to A, which is R times a polynomial of S, so R times a symmetric
+/// tensor also where t is not yet the root. Halley's method falls to the root from sqrt(3) |A| >= t; two
+/// steps do for stretches of 0.7 to 1.4. Like most rounding errors, an error of t makes that symmetric tensor
+/// differ from I, which one step towards the nearest orthogonal tensor takes away to second order. Everything
+/// divides by (s1 + s2)(s1 + s3)(s2 + s3).
 template <class T>
 [[nodiscard]] ClosedRotation<T> rotation_in_closed_form(const Mat3<T>& A, int steps) {
   using std::sqrt;
@@ -174,14 +174,14 @@ template <class T>
   const Mat3<T> Q = A * M + e * c;
   Mat3<T> D = T(-0.5) * gram(Q);
   for (int i = 0; i < 3; ++i) D(i, i) += T(0.5);
-  // What the square of the departure from a rotation leaves behind has to vanish in rounding, and no fourth power
-  // of a length may leave the range of the scalar.
+  // What the square of the departure from a rotation leaves behind has to vanish in rounding, and no product
+  // above, of up to seven lengths, may leave the range of the scalar.
   const auto settled = double_dot(D, D) < T(0.25 * std::numeric_limits<Real>::epsilon());
   const auto in_range = both(n > T(1e-8), n < T(1e8));
   return {Q + Q * D, both(both(denominator > T(0.05) * t2 * t, settled), in_range)};
 }
 
-/// For what those steps do not settle: nearly ambiguous, very large or small, far from rigid. F at all.
+/// For any F, for those that two steps do not settle: nearly ambiguous, very large or small, far from rigid.
 template <class T>
 [[nodiscard, gnu::noinline, gnu::flatten]] Mat3<T> rotation_of_any(const Mat3<T>& F) {
   using std::abs, std::max;
@@ -203,13 +203,13 @@ template <class T>
 /// Rotation R (det R = +1, always) that maximises tr(R^T F), the nearest rotation to F: F = R S with S
 /// symmetric, indefinite where det F < 0. With F's singular values s1 >= s2 >= |s3|, s3 signed like det F, R
 /// is unique unless s2 + s3 = 0 (rank 1 or 0; two equal smallest singular values of an inverted F); its error
-/// is at most about 100 machine epsilons times s1 / (s2 + s3). Without uniqueness the result is one of the
-/// maximisers (within 128 epsilons of the largest entry of F), drawn towards the one that turns least; F = 0
-/// gives I. Defined for every finite F; R does not depend on the size of F but for rounding, except that a
-/// subnormal F is drawn towards I. NaN and infinity give NaN.
+/// is at most about 100 machine epsilons times s1 / (s2 + s3), in single precision 200. Without uniqueness
+/// the result is one of the maximisers (within 128 epsilons of the largest entry of F), drawn towards the one
+/// that turns least; F = 0 gives I. Defined for every finite F; R does not depend on the size of F but for
+/// rounding, except that a subnormal F is drawn towards I. NaN and infinity give NaN.
 ///
-/// A closed form serves deformations that are far from those ambiguities, Jacobi sweeps the others. The branches
-/// skip what no lane needs: a lane's result does not depend on its neighbours.
+/// A closed form serves deformations that are far from those ambiguities, Jacobi sweeps the others. The
+/// branches skip what no lane needs: a lane's result does not depend on its neighbours.
 template <class T>
 [[nodiscard, gnu::flatten]] Mat3<T> rotation_factor(const Mat3<T>& F) {
   detail::ClosedRotation<T> closed = detail::rotation_in_closed_form<T>(F, 2);

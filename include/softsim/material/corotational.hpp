@@ -77,8 +77,9 @@ class Corotational : public LameLaw<Corotational> {
 };
 
 /// Tangent of corotational elasticity in principal axes: with w = mu sum (s_i - 1)^2 + lambda/2 (sum s_i -
-/// 3)^2, flip is 2 mu and twist 2 mu + 2 (lambda (tr S - 3) - 2 mu)/(s_i + s_j), the divisor held off zero as
-/// above.
+/// 3)^2, flip is 2 mu and twist 2 mu + 2 (lambda (tr S - 3) - 2 mu)/(s_i + s_j), the divisor held off zero.
+/// Project with `SpdFilter::clamp`: the absolute value of what has no bound near s2 + s3 = 0 is a stiffness
+/// without bound.
 template <class T>
 [[nodiscard]] PrincipalTangent<T> principal_tangent(const Corotational& law, const Mat3<T>& F) {
   using std::max;

@@ -21,11 +21,12 @@ concept HasPrincipalTangent = requires(const Law& law, const Mat3<double>& F) {
 
 /// An isotropic law whose tangent has no negative eigenvalue: energy and stress are the law's own, the
 /// derivative of the stress is filtered (see `SpdFilter`). With it Newton's method always has a descent
-/// direction, also from states where the energy is not convex; where the tangent is positive semidefinite
-/// nothing changes. The Hessian of every element with a constant B is then positive semidefinite, and so is
-/// their sum. A fibre term that bears tension only needs no filter: `projected(matrix) + fibres` has one
-/// where it can be negative. A `Material`, but deliberately no `InvariantLaw` or `StretchLaw`: routes that
-/// take those apart would lose the filter.
+/// direction, also from states where the energy is not convex; where the tangent is positive semidefinite it
+/// stays what it is, but for the rounding of principal axes. The Hessian of every element with a constant B
+/// is then positive semidefinite, and so is their sum. `HolzapfelGasserOgden`, a convex function of F, needs
+/// no filter beside it: `projected(matrix) + fibres` is positive semidefinite, which the split form of the
+/// fibres is not. A `Material`, but deliberately no `InvariantLaw` or `StretchLaw`: routes that take those
+/// apart would lose the filter.
 template <class Law>
 requires HasPrincipalTangent<Law>
 class Projected {

@@ -73,7 +73,8 @@ struct Stored<Remembered<D, T>> {
 /// gathers unknowns and scatters forces. Stencils are sorted by model, so that every chunk of N shares its
 /// parameters, and cut into stretches, within which neighbours in a chunk share no block where that can be
 /// had. With OpenMP, stretches are worked off colour by colour in parallel, with the same bits for any number
-/// of threads; without, one after the other, which a large mesh's memory likes better. Lanes left over at the
+/// of threads; without, one after the other, which a large mesh's memory likes better (and which rounds in
+/// another order). Lanes left over at the
 /// end of a stretch repeat a real stencil and are not scattered. One object serves one caller at a time.
 /// Models `ForceTerm`, and `Potential` where E has an energy. T is float or double.
 template <class E, class T = double, int N = default_lanes<T>>
@@ -100,7 +101,9 @@ class Elements {
   /// @param stencils block numbers per stencil
   /// @param model_index which of the models each stencil uses; empty means the first for all
   /// @param rest rest positions of all points in m, for an E that works from positions
-  /// @throws std::invalid_argument for lists of different lengths or an index out of range
+  /// @throws std::invalid_argument for lists of different lengths, an index out of range or a stencil that
+  /// has a
+  ///   block twice
   Elements(std::vector<E> models, const std::vector<RestData>& data, const std::vector<Stencil>& stencils,
            const std::vector<std::int32_t>& model_index = {}, const std::vector<Vec3<double>>& rest = {})
       : models_(std::move(models)) {
@@ -110,6 +113,12 @@ class Elements {
     if (!model_index.empty() && model_index.size() != stencils.size())
       invalid(std::string("elements: ") + std::to_string(model_index.size()) + " material indices for " +
               std::to_string(stencils.size()) + " elements");
+    for (std::size_t e = 0; e < stencils.size(); ++e)
+      for (std::size_t i = 0; i < blocks; ++i)
+        for (std::size_t j = 0; j < i; ++j)
+          if (stencils[e][i] == stencils[e][j])
+            invalid(std::string("element ") + std::to_string(e) + ": node " + std::to_string(stencils[e][i]) +
+                    " occurs twice");
     std::vector<std::vector<std::size_t>> members(models_.size());
     for (std::size_t e = 0; e < stencils.size(); ++e) {
       const std::int32_t m = model_index.empty() ? 0 : model_index[e];
@@ -275,11 +284,8 @@ class Elements {
 
   void store(const std::vector<std::vector<std::size_t>>& members, const std::vector<RestData>& data,
              const std::vector<Stencil>& stencils) {
-    const std::vector<detail::StretchPlan> plans =
-        detail::plan_stretches<N>(members, stencils, stretch_length);
-#ifdef _OPENMP
-    coloured_ = true;
-#endif
+    const auto [plans, coloured] = detail::plan_stretches<N>(members, stencils, stretch_length);
+    coloured_ = coloured;
     std::size_t chunks = 0;
     for (const auto& plan : plans) chunks += (plan.stencils.size() + lanes - 1) / lanes;
     chunks_.resize(chunks);
@@ -492,7 +498,7 @@ class Elements {
   std::size_t memory_size_ = 0;                                         // numbers of one stencil
   std::vector<Stretch> stretches_;                                      // in the order they are worked off
   std::vector<std::size_t> colour_begin_;   // first stretch of each colour, and the end
-  bool coloured_ = false;                   // not if made by code without OpenMP: then all are one colour
+  bool coloured_ = false;                   // see StretchPlans
   std::vector<std::size_t> index_, place_;  // of each lane the place in the lists given, and back
   std::size_t size_ = 0;
   Vector<T> rest_;

@@ -88,6 +88,9 @@ class PronyNodes {
     step_.set(series_, dt);
     // A stretch at a time, so that it is still in the cache for the next Prony term.
     constexpr std::ptrdiff_t stretch = 512;
+#ifdef _OPENMP
+#pragma omp parallel for schedule(static) if (f.size() > 16 * stretch)
+#endif
     for (std::ptrdiff_t i = 0; i < f.size(); i += stretch) {
       const std::ptrdiff_t n = std::min(stretch, f.size() - i);
       auto sum = history_.segment(i, n);

@@ -67,14 +67,23 @@ struct StretchPlan {
   std::vector<std::size_t> stencils;
 };
 
+/// All stretches in the order of their colours, and whether these were made: false if this was compiled
+/// without OpenMP, where all are of one colour. The linker may pick either version for a program that has
+/// both.
+struct StretchPlans {
+  std::vector<StretchPlan> stretches;
+  bool coloured = false;
+};
+
 /// Cuts the stencils of every model (`members`) into stretches of the given length, for N lanes, and puts
 /// these into the order of their colours. Without OpenMP all have one colour: neighbours follow each other,
 /// which a mesh that does not fit into the cache likes better.
 template <int N, std::size_t n>
-[[nodiscard]] std::vector<StretchPlan> plan_stretches(
-    const std::vector<std::vector<std::size_t>>& members,
-    const std::vector<std::array<std::int32_t, n>>& stencils, std::size_t length) {
-  std::vector<StretchPlan> plans;
+[[nodiscard]] StretchPlans plan_stretches(const std::vector<std::vector<std::size_t>>& members,
+                                          const std::vector<std::array<std::int32_t, n>>& stencils,
+                                          std::size_t length) {
+  StretchPlans result;
+  std::vector<StretchPlan>& plans = result.stretches;
   for (std::size_t m = 0; m < members.size(); ++m)
     for (std::size_t k = 0; k < members[m].size(); k += length) {
       const auto begin = members[m].begin() + static_cast<std::ptrdiff_t>(k);
@@ -83,6 +92,7 @@ template <int N, std::size_t n>
       if constexpr (N > 1) spread(plans.back().stencils, stencils);
     }
 #ifdef _OPENMP
+  result.coloured = true;
   std::vector<std::vector<std::int32_t>> touched(plans.size());
   for (std::size_t p = 0; p < plans.size(); ++p)
     for (const std::size_t e : plans[p].stencils)
@@ -92,7 +102,7 @@ template <int N, std::size_t n>
   std::stable_sort(plans.begin(), plans.end(),
                    [](const StretchPlan& a, const StretchPlan& b) { return a.colour < b.colour; });
 #endif
-  return plans;
+  return result;
 }
 
 }  // namespace softsim::detail

@@ -6,15 +6,18 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "softsim/core/batch.hpp"
+#include "softsim/core/error.hpp"
 #include "softsim/core/state.hpp"
 
 namespace softsim {
 
-/// Symmetric sparse matrix of 3x3 blocks over flat vectors of blocks. Of the blocks (i, j) those with i <= j
+/// Symmetric sparse matrix of 3x3 blocks over flat vectors of blocks; blocks on the diagonal have to be
+/// symmetric themselves. Of the blocks (i, j) those with i <= j
 /// are stored, in compressed rows; the others are their transposes. Half the numbers are half the time of an
 /// assembly and of a product, which wait for memory.
 template <class T>
@@ -23,12 +26,16 @@ class SymmetricBlockMatrix {
   SymmetricBlockMatrix() = default;
 
   /// Zero matrix with room for the given (row, column) blocks and their transposes; repeated ones count once.
+  /// @throws std::invalid_argument for 2^30 blocks or more, whose places would not fit into 32 bits
   SymmetricBlockMatrix(std::size_t rows, std::vector<std::pair<std::int32_t, std::int32_t>> blocks)
       : row_start_(rows + 1, 0), lower_start_(rows + 1, 0) {
     for (auto& [i, j] : blocks)
       if (i > j) std::swap(i, j);
     std::sort(blocks.begin(), blocks.end());
     blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
+    if (blocks.size() >= (std::size_t{1} << 30))
+      invalid(std::string("matrix: ") + std::to_string(blocks.size()) +
+              " blocks, less than 2^30 are possible");
     column_.reserve(blocks.size());
     for (const auto& [i, j] : blocks) {
       ++row_start_[static_cast<std::size_t>(i) + 1];

@@ -62,7 +62,7 @@ void add_stiffness(const S& system, const State<T>& q, double scale,
 }  // namespace detail
 
 /// The tangent as an assembled matrix of 3x3 blocks: the pattern is made at the first `set`, later ones
-/// refill it. The faster choice where the same tangent multiplies more than a dozen times.
+/// refill it. The faster choice where the same tangent multiplies more than about eight times.
 template <class S>
 class AssembledTangent {
  public:
