@@ -28,6 +28,8 @@ lacks() {
     libbenchmark-dev) ! has_package benchmark benchmark ;;
     python3-matplotlib) ! has_matplotlib python3 && ! has_matplotlib /usr/bin/python3 ;;
     clang) ! command -v clang++ >/dev/null ;;
+    libclang-rt-14-dev) # the sanitizers of clang
+        ! command -v clang++ >/dev/null || [ ! -d "$(clang++ -print-resource-dir)/lib/linux" ] ;;
     esac
 }
 
