@@ -6,8 +6,10 @@
 #include <cmath>
 #include <type_traits>
 
-#if defined(__SSE2__)
+#if defined(__AVX__)
 #include <immintrin.h>
+#elif defined(__SSE2__)
+#include <emmintrin.h>  // the header of all sets costs half a second
 #endif
 
 // With the instruction set the layout of a batch changes: the namespace carries the width, so that batches of
