@@ -109,6 +109,26 @@ TEST(Threads, SpringsAndElementsThatRememberHaveTheSameBits) {
   }
 }
 
+// Its vectors are long enough to be cut into pieces.
+TEST(Threads, PronySeriesAtNodesHasTheSameBits) {
+  const softsim::TetrahedralMesh large = softsim::box_mesh({14, 14, 14}, {1, 1, 1});
+  const std::size_t nodes = large.points().size();
+  const Vector<double> v = bodies::random_vector(nodes, 1, 2);
+  const auto after_two_steps = [&](int threads) {
+    omp_set_num_threads(threads);
+    auto viscous = softsim::prony_nodes(softsim::elastic(large, law), nodes,
+                                        softsim::PronySeries({{0.3, 0.1}, {0.2, 1}}));
+    for (const unsigned k : {1U, 2U}) {
+      const State<double> q = bodies::random_state(nodes, 0.005, k);
+      viscous.begin_step(q, v, 0.01);
+      viscous.end_step(q, v, 0.01);
+    }
+    return gradient(viscous, bodies::random_state(nodes, 0.005, 3));
+  };
+  const Vector<double> one = after_two_steps(1);
+  for (const int threads : {2, 3, 7}) EXPECT_TRUE(same(after_two_steps(threads), one)) << threads;
+}
+
 TEST(Threads, AnImplicitStepHasTheSameBits) {
   const auto after_three_steps = [](int threads) {
     omp_set_num_threads(threads);

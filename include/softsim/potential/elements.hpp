@@ -74,9 +74,9 @@ struct Stored<Remembered<D, T>> {
 /// parameters, and cut into stretches, within which neighbours in a chunk share no block where that can be
 /// had. With OpenMP, stretches are worked off colour by colour in parallel, with the same bits for any number
 /// of threads; without, one after the other, which a large mesh's memory likes better (and which rounds in
-/// another order). Lanes left over at the
-/// end of a stretch repeat a real stencil and are not scattered. One object serves one caller at a time.
-/// Models `ForceTerm`, and `Potential` where E has an energy. T is float or double.
+/// another order). Lanes left over at the end of a stretch repeat a real stencil and are not scattered. One
+/// object serves one caller at a time. Models `ForceTerm`, and `Potential` where E has an energy. T is float
+/// or double.
 template <class E, class T = double, int N = default_lanes<T>>
 class Elements {
  public:
@@ -101,8 +101,7 @@ class Elements {
   /// @param stencils block numbers per stencil
   /// @param model_index which of the models each stencil uses; empty means the first for all
   /// @param rest rest positions of all points in m, for an E that works from positions
-  /// @throws std::invalid_argument for lists of different lengths, an index out of range or a stencil that
-  /// has a
+  /// @throws std::invalid_argument for lists of different lengths, an index out of range or a stencil with a
   ///   block twice
   Elements(std::vector<E> models, const std::vector<RestData>& data, const std::vector<Stencil>& stencils,
            const std::vector<std::int32_t>& model_index = {}, const std::vector<Vec3<double>>& rest = {})

@@ -17,9 +17,8 @@
 namespace softsim {
 
 /// Symmetric sparse matrix of 3x3 blocks over flat vectors of blocks; blocks on the diagonal have to be
-/// symmetric themselves. Of the blocks (i, j) those with i <= j
-/// are stored, in compressed rows; the others are their transposes. Half the numbers are half the time of an
-/// assembly and of a product, which wait for memory.
+/// symmetric themselves. Of the blocks (i, j) those with i <= j are stored, in compressed rows; the others
+/// are their transposes. Half the numbers are half the traffic of an assembly, which waits for memory.
 template <class T>
 class SymmetricBlockMatrix {
  public:
