@@ -113,7 +113,7 @@ struct IterationCase : TangentCase<K, Route> {
   using T = typename K::T;
   typename Operator::template Tangent<Body<Route>> tangent;
   BlockJacobi<T> preconditioner;
-  ConjugateGradientWorkspace<T> workspace;
+  ConjugateGradient::Workspace<T> workspace;
   double error = 0;
 
   explicit IterationCase(int n) : TangentCase<K, Route>(n) {

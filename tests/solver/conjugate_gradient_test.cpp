@@ -19,7 +19,7 @@
 
 namespace conjugate_gradient_test {
 
-using softsim::ConjugateGradient, softsim::ConjugateGradientWorkspace, softsim::LinearReport, softsim::Status,
+using softsim::ConjugateGradient, softsim::LinearReport, softsim::Status,
     softsim::Vector;
 using System = softsim::System<softsim::ElasticTetrahedra<softsim::NeoHookean>>;
 
@@ -76,7 +76,7 @@ TYPED_TEST(LinearSolve, AgreesWithEigensCholeskyFactorisation) {
   preconditioner.compute(A, system.prescribed.free());
   Vector<double> b = bodies::random_vector(mesh.points().size(), 1, 3), x = Vector<double>::Zero(b.size());
   system.prescribed.mask(b);
-  ConjugateGradientWorkspace<double> workspace;
+  ConjugateGradient::Workspace<double> workspace;
   const LinearReport report = ConjugateGradient{.tolerance = 1e-11}.solve(A, preconditioner, b, x, workspace);
   EXPECT_EQ(report.status, Status::converged);
   EXPECT_LE(report.residual, 1e-11);
@@ -114,7 +114,7 @@ TEST(Preconditioners, MakeTheSolveShorter) {
   system.prescribed.mask(b);
   const auto iterations = [&](auto preconditioner) {
     preconditioner.compute(A, system.prescribed.free());
-    ConjugateGradientWorkspace<double> workspace;
+    ConjugateGradient::Workspace<double> workspace;
     Vector<double> x = Vector<double>::Zero(b.size());
     return ConjugateGradient{.max_iterations = 20000, .tolerance = 1e-8}
         .solve(A, preconditioner, b, x, workspace)
@@ -134,7 +134,7 @@ TEST(ConjugateGradient, NeedsAsManyIterationsAsThereAreEigenvalues) {
     for (int i = 0; i < 60; ++i) A.d[i] = 1 + 2 * (i % eigenvalues);
     const Vector<double> b = bodies::random_vector(15, 1, 1) + Vector<double>::Ones(60);
     Vector<double> x = Vector<double>::Zero(60);
-    ConjugateGradientWorkspace<double> workspace;
+    ConjugateGradient::Workspace<double> workspace;
     const LinearReport report = ConjugateGradient{.tolerance = 1e-12}.solve(A, none, b, x, workspace);
     EXPECT_EQ(report.status, Status::converged);
     EXPECT_EQ(report.iterations, eigenvalues);
@@ -145,7 +145,7 @@ TEST(ConjugateGradient, NeedsAsManyIterationsAsThereAreEigenvalues) {
 TEST(ConjugateGradient, StartsFromTheGuessItIsGiven) {
   const Diagonal A{Vector<double>::LinSpaced(40, 1, 40)};
   const Vector<double> b = Vector<double>::Ones(40), exact = b.cwiseQuotient(A.d);
-  ConjugateGradientWorkspace<double> workspace;
+  ConjugateGradient::Workspace<double> workspace;
   Vector<double> x = exact;
   EXPECT_EQ(ConjugateGradient{}.solve(A, none, b, x, workspace).iterations, 0);
   x = Vector<double>::Zero(40);
@@ -158,7 +158,7 @@ TEST(ConjugateGradient, StartsFromTheGuessItIsGiven) {
 TEST(ConjugateGradient, OfNothingIsNothing) {
   const Diagonal A{Vector<double>::LinSpaced(8, 1, 8)};
   Vector<double> x = Vector<double>::Ones(8);
-  ConjugateGradientWorkspace<double> workspace;
+  ConjugateGradient::Workspace<double> workspace;
   const LinearReport report =
       ConjugateGradient{}.solve(A, none, Vector<double>(Vector<double>::Zero(8)), x, workspace);
   EXPECT_EQ(report.status, Status::converged);
@@ -169,7 +169,7 @@ TEST(ConjugateGradient, OfNothingIsNothing) {
 
 TEST(ConjugateGradient, ReportsWhatIsNotFinite) {
   const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
-  ConjugateGradientWorkspace<double> workspace;
+  ConjugateGradient::Workspace<double> workspace;
   for (const double bad : {nan, inf}) {
     Vector<double> b = Vector<double>::Ones(8), x = Vector<double>::Zero(8);
     b[5] = bad;
@@ -188,7 +188,7 @@ TEST(ConjugateGradient, StopsAtNegativeCurvatureOnADescentDirection) {
   Diagonal A{Vector<double>::LinSpaced(20, 1, 20)};
   A.d[7] = -0.5;
   Vector<double> b = Vector<double>::Ones(20), x = Vector<double>::Zero(20);
-  ConjugateGradientWorkspace<double> workspace;
+  ConjugateGradient::Workspace<double> workspace;
   const LinearReport report = ConjugateGradient{.tolerance = 1e-12}.solve(A, none, b, x, workspace);
   EXPECT_EQ(report.status, Status::not_converged);
   EXPECT_TRUE(report.indefinite);
@@ -208,7 +208,7 @@ TEST(ConjugateGradient, SaysHowFarItGotWhenItRunsOut) {
   const Diagonal A{Vector<double>::LinSpaced(40, 1, 400)};
   const Vector<double> b = Vector<double>::Ones(40);
   Vector<double> x = Vector<double>::Zero(40);
-  ConjugateGradientWorkspace<double> workspace;
+  ConjugateGradient::Workspace<double> workspace;
   const LinearReport report =
       ConjugateGradient{.max_iterations = 7, .tolerance = 1e-12}.solve(A, none, b, x, workspace);
   EXPECT_EQ(report.status, Status::not_converged);
@@ -231,7 +231,7 @@ TEST(ConjugateGradient, WorksInSinglePrecision) {
   Vector<float> b = bodies::random_vector<float>(mesh.points().size(), 1, 5),
                 x = Vector<float>::Zero(b.size()), Ax(b.size());
   system.prescribed.mask(b);
-  ConjugateGradientWorkspace<float> workspace;
+  ConjugateGradient::Workspace<float> workspace;
   const LinearReport report = ConjugateGradient{.tolerance = 1e-5}.solve(A, preconditioner, b, x, workspace);
   EXPECT_EQ(report.status, Status::converged);
   A.apply(x, Ax);

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <atomic>
+#include <cstdint>
 #include <cstdio>
 #include <stdexcept>
 #include <string>
@@ -33,5 +35,13 @@ enum class Status { converged, not_converged, not_finite };
 
 /// Throws `std::invalid_argument` with `message`; set-up code calls it with the entity and the value in it.
 [[noreturn]] inline void invalid(const std::string& message) { throw std::invalid_argument(message); }
+
+namespace detail {
+// A number that was not given before: what is worked out for one object and kept names it by this.
+inline std::uint64_t next_number() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
+}
+}  // namespace detail
 
 }  // namespace softsim

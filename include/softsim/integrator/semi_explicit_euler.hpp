@@ -115,7 +115,7 @@ class SemiExplicitEuler {
   SemiExplicitEulerOptions options_;
   Vector<T> f_, p_, v_, a_, b_, x_;
   State<T> next_;
-  ConjugateGradientWorkspace<T> cg_;
+  ConjugateGradient::Workspace<T> cg_;
 };
 
 }  // namespace softsim

@@ -3,56 +3,54 @@
 #pragma once
 
 #include <cmath>
+#include <string_view>
 
 #include "softsim/concepts.hpp"
 #include "softsim/solver/report.hpp"
 
 namespace softsim {
 
-/// Work vectors of `ConjugateGradient`; they grow at the first solve.
-template <class T>
-struct ConjugateGradientWorkspace {
-  Vector<T> r, z, p, Ap;
-};
-
 /// Preconditioned conjugate gradients for symmetric positive definite operators.
 struct ConjugateGradient {
   int max_iterations = 10000;
   double tolerance = 1e-6;  ///< on |b - A x| / |b|
+  bool fixed = false;       ///< exactly `max_iterations` iterations, unless x is exact before: for real time
 
-  /// Solves A x = b from the x given. Ends early, with the x reached so far and `indefinite` set, at a
-  /// direction p with p . A p <= 0: x is then still a descent direction of x . A x / 2 - b . x.
+  /// Work vectors; they grow at the first solve.
+  template <class T>
+  struct Workspace {
+    Vector<T> r, z, p, Ap;
+  };
+
+  /// Solves A x = b from the x given. Ends early, with the x reached so far and `indefinite` set, at a direction p with p . A p <= 0: x is then still a descent direction of
+  /// x . A x / 2 - b . x.
   template <class T, class A, class B>
   requires LinearOperator<A, T> && Preconditioner<B, T> LinearReport solve(const A& a,
                                                                            const B& preconditioner,
                                                                            const Vector<T>& b, Vector<T>& x,
-                                                                           ConjugateGradientWorkspace<T>& w)
-  const {
+                                                                           Workspace<T>& w) const {
     LinearReport report;
     w.r.resize(b.size());
     w.z.resize(b.size());
     w.p.resize(b.size());
     w.Ap.resize(b.size());
     const double norm_b = norm(b);
+    if (!std::isfinite(norm_b)) return detail::ended(report, Status::not_finite, "the right-hand side is not finite");
     if (norm_b == 0) {
       x.setZero();
-      report.status = Status::converged;
-      return report;
+      return detail::ended(report, Status::converged, "");
     }
     a.apply(x, w.Ap);
     w.r = b - w.Ap;
     double rz = 0;
     for (;; ++report.iterations) {
       report.residual = norm(w.r) / norm_b;
-      if (!std::isfinite(report.residual)) {
-        report.status = Status::not_finite;
-        return report;
-      }
-      if (report.residual <= tolerance) {
-        report.status = Status::converged;
-        return report;
-      }
-      if (report.iterations == max_iterations) return report;
+      if (!std::isfinite(report.residual))
+        return detail::ended(report, Status::not_finite, "the residual is not finite");
+      if (report.residual <= (fixed ? 0 : tolerance)) return detail::ended(report, Status::converged, "");
+      if (report.iterations == max_iterations)
+        return detail::ended(report, report.residual <= tolerance ? Status::converged : Status::not_converged,
+                     "conjugate gradients: too many iterations");
       preconditioner.apply(w.r, w.z);
       const double rz_new = dot(w.r, w.z);
       if (report.iterations == 0) {
@@ -63,10 +61,12 @@ struct ConjugateGradient {
       rz = rz_new;
       a.apply(w.p, w.Ap);
       const double curvature = dot(w.p, w.Ap);
+      if (!std::isfinite(curvature) || !std::isfinite(rz))
+        return detail::ended(report, Status::not_finite, "the operator or the preconditioner is not finite");
+      if (!(rz > 0)) return detail::ended(report, Status::not_converged, "the preconditioner is not positive definite");
       if (!(curvature > 0)) {
-        report.indefinite = std::isfinite(curvature);
-        report.status = report.indefinite ? Status::not_converged : Status::not_finite;
-        return report;
+        report.indefinite = true;
+        return detail::ended(report, Status::not_converged, "the operator is not positive definite");
       }
       const T alpha = static_cast<T>(rz / curvature);
       x += alpha * w.p;

@@ -162,7 +162,7 @@ class Newton {
 
   typename Operator::template Tangent<S> tangent_;
   Preconditioner<T> preconditioner_;
-  ConjugateGradientWorkspace<T> cg_;
+  ConjugateGradient::Workspace<T> cg_;
   Vector<T> g_, r_, b_, x_, delta_, trial_gradient_;
   State<T> trial_;
 };

@@ -14,6 +14,7 @@ struct [[nodiscard]] LinearReport {
   int iterations = 0;
   double residual = 0;      ///< |b - A x| / |b|
   bool indefinite = false;  ///< a direction of negative curvature ended it
+  std::string_view reason = "";  ///< why it did not converge; empty if it did
 };
 
 /// How a step or a static solve ended.
@@ -25,5 +26,15 @@ struct [[nodiscard]] StepReport {
       0;  ///< relative; of the equilibrium for Newton, of the linear solve for a linearised step
   std::string_view reason = "";  ///< why it did not converge; empty if it did
 };
+
+namespace detail {
+// The report of something that ends now; the reason is dropped if it converged.
+template <class Report>
+Report ended(Report report, Status status, std::string_view reason) {
+  report.status = status;
+  report.reason = status == Status::converged ? "" : reason;
+  return report;
+}
+}  // namespace detail
 
 }  // namespace softsim

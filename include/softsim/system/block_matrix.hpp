@@ -27,7 +27,7 @@ class SymmetricBlockMatrix {
   /// Zero matrix with room for the given (row, column) blocks and their transposes; repeated ones count once.
   /// @throws std::invalid_argument for 2^30 blocks or more, whose places would not fit into 32 bits
   SymmetricBlockMatrix(std::size_t rows, std::vector<std::pair<std::int32_t, std::int32_t>> blocks)
-      : row_start_(rows + 1, 0), lower_start_(rows + 1, 0) {
+      : row_start_(rows + 1, 0), lower_start_(rows + 1, 0), pattern_(detail::next_number()) {
     for (auto& [i, j] : blocks)
       if (i > j) std::swap(i, j);
     std::sort(blocks.begin(), blocks.end());
@@ -84,38 +84,52 @@ class SymmetricBlockMatrix {
   /// Sets all values to zero and keeps the pattern.
   void set_zero() { std::fill(values_.begin(), values_.end(), T(0)); }
 
+  /// Row i of A x into the four scalars at y, the last zero.
+  void row_product(std::size_t i, const Vector<T>& x, T* y) const {
+    using Four = Batch<T, 4>;  // its fourth lane takes in the neighbouring scalar and is dropped
+    const auto at = [&](std::int32_t j) { return x.data() + block_stride * static_cast<std::ptrdiff_t>(j); };
+    Four sum(0), dot[3] = {Four(0), Four(0), Four(0)};
+    const T* value = values_.data() + 9 * static_cast<std::ptrdiff_t>(row_start_[i]);
+    for (std::int32_t k = row_start_[i]; k < row_start_[i + 1]; ++k, value += 9) {
+      const T* xj = at(column_[static_cast<std::size_t>(k)]);
+      sum += Four::load(value) * Four(xj[0]) + Four::load(value + 3) * Four(xj[1]) +
+             Four::load(value + 6) * Four(xj[2]);
+    }
+    for (std::int32_t k = lower_start_[i]; k < lower_start_[i + 1]; ++k) {
+      const Transposed& t = lower_[static_cast<std::size_t>(k)];
+      const Four xj = Four::load(at(t.column));
+      const T* column = values_.data() + 9 * static_cast<std::ptrdiff_t>(t.block);
+      for (int a = 0; a < 3; ++a) dot[a] += Four::load(column + 3 * a) * xj;
+    }
+    sum.store(y);
+    for (int a = 0; a < 3; ++a) y[a] += lane(dot[a], 0) + lane(dot[a], 1) + lane(dot[a], 2);
+    y[3] = T(0);
+  }
+
   /// y = A x. Every row gathers its transposed blocks from the rows above it, where a good order of the nodes
   /// finds them in the cache; nothing is scattered, so that threads do not change a bit.
   void apply(const Vector<T>& x, Vector<T>& y) const {
-    using Four = Batch<T, 4>;  // its fourth lane takes in the neighbouring scalar and is dropped
     const auto count = static_cast<std::ptrdiff_t>(rows());
 #ifdef _OPENMP
 #pragma omp parallel for schedule(static) if (count > 1000)
 #endif
-    for (std::ptrdiff_t row = 0; row < count; ++row) {
-      const auto i = static_cast<std::size_t>(row);
-      const auto at = [&](std::int32_t j) {
-        return x.data() + block_stride * static_cast<std::ptrdiff_t>(j);
-      };
-      Four sum(0), dot[3] = {Four(0), Four(0), Four(0)};
-      const T* value = values_.data() + 9 * static_cast<std::ptrdiff_t>(row_start_[i]);
-      for (std::int32_t k = row_start_[i]; k < row_start_[i + 1]; ++k, value += 9) {
-        const T* xj = at(column_[static_cast<std::size_t>(k)]);
-        sum += Four::load(value) * Four(xj[0]) + Four::load(value + 3) * Four(xj[1]) +
-               Four::load(value + 6) * Four(xj[2]);
-      }
-      for (std::int32_t k = lower_start_[i]; k < lower_start_[i + 1]; ++k) {
-        const Transposed& t = lower_[static_cast<std::size_t>(k)];
-        const Four xj = Four::load(at(t.column));
-        const T* column = values_.data() + 9 * static_cast<std::ptrdiff_t>(t.block);
-        for (int a = 0; a < 3; ++a) dot[a] += Four::load(column + 3 * a) * xj;
-      }
-      T* yi = y.data() + block_stride * row;
-      sum.store(yi);
-      for (int a = 0; a < 3; ++a) yi[a] += lane(dot[a], 0) + lane(dot[a], 1) + lane(dot[a], 2);
-      yi[3] = T(0);
-    }
+    for (std::ptrdiff_t i = 0; i < count; ++i)
+      row_product(static_cast<std::size_t>(i), x, y.data() + block_stride * i);
   }
+
+  /// Calls f(j, k, transposed) for every block (i, j) of row i: it is stored block k or the transpose of that.
+  /// First those above the diagonal and on it, j ascending from i; then those below, j ascending.
+  template <class Function>
+  void for_each_in_row(std::size_t i, Function f) const {
+    for (std::int32_t k = row_start_[i]; k < row_start_[i + 1]; ++k)
+      f(column_[static_cast<std::size_t>(k)], k, false);
+    for (std::int32_t k = lower_start_[i]; k < lower_start_[i + 1]; ++k)
+      f(lower_[static_cast<std::size_t>(k)].column, lower_[static_cast<std::size_t>(k)].block, true);
+  }
+
+  /// Different for every pattern that is made, shared by copies: tells what was worked out for a pattern from
+  /// what was not.
+  [[nodiscard]] std::uint64_t pattern() const { return pattern_; }
 
   /// The same matrix with three scalars per block row and both triangles, for Eigen's own solvers; see `pack`
   /// and `unpack`.
@@ -143,6 +157,7 @@ class SymmetricBlockMatrix {
   std::vector<std::int32_t> row_start_, column_, lower_start_;
   std::vector<Transposed> lower_;
   std::vector<T> values_;
+  std::uint64_t pattern_ = 0;
 };
 
 /// The flat vector v without the fourth scalar of every block.

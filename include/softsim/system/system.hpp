@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <tuple>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "softsim/concepts.hpp"
+#include "softsim/core/error.hpp"
 #include "softsim/mesh/element_mesh.hpp"
 #include "softsim/system/mass.hpp"
 #include "softsim/system/prescribed.hpp"
@@ -24,11 +24,6 @@ struct Rayleigh {
 };
 
 namespace detail {
-inline std::uint64_t next_system_number() {
-  static std::atomic<std::uint64_t> last{0};
-  return ++last;
-}
-
 template <class Term>
 concept remembers = requires(Term& term, const State<typename Term::Scalar>& q,
                              const Vector<typename Term::Scalar>& v) {
@@ -160,7 +155,7 @@ class System {
   }
 
   std::vector<Vec3<double>> rest_;
-  std::uint64_t number_ = detail::next_system_number();
+  std::uint64_t number_ = detail::next_number();
 };
 
 }  // namespace softsim

@@ -103,6 +103,8 @@ class AssembledTangent {
     for (std::size_t i = 0; i < diagonal_.size(); ++i) blocks[i] = matrix_.block(diagonal_[i]);
   }
 
+  /// Rest positions of the points, m.
+  [[nodiscard]] const std::vector<Vec3<double>>& rest() const { return system_->rest(); }
   /// The matrix, prescribed components included.
   [[nodiscard]] const SymmetricBlockMatrix<T>& matrix() const { return matrix_; }
 
