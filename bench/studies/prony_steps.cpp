@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "softsim/integrator/backward_euler.hpp"
+#include "softsim/integrator/implicit.hpp"
 #include "softsim/integrator/static_solver.hpp"
 #include "softsim/material/st_venant_kirchhoff.hpp"
 #include "softsim/mesh/generators.hpp"

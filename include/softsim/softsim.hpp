@@ -20,7 +20,7 @@
 #include "softsim/core/symmetric_eigen.hpp"
 #include "softsim/core/tensor.hpp"
 #include "softsim/core/voigt.hpp"
-#include "softsim/integrator/backward_euler.hpp"
+#include "softsim/integrator/implicit.hpp"
 #include "softsim/integrator/semi_explicit_euler.hpp"
 #include "softsim/integrator/static_solver.hpp"
 #include "softsim/kinematics/linear_tetrahedron.hpp"

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "potential/bodies.hpp"
-#include "softsim/integrator/backward_euler.hpp"
+#include "softsim/integrator/implicit.hpp"
 #include "softsim/integrator/semi_explicit_euler.hpp"
 #include "softsim/material/neo_hookean.hpp"
 #include "softsim/mesh/selection.hpp"

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The softsim authors
 // SPDX-License-Identifier: MIT
-#include "softsim/integrator/backward_euler.hpp"
+#include "softsim/integrator/implicit.hpp"
 
 #include <gtest/gtest.h>
 

@@ -9,7 +9,7 @@
 #include <cstdint>
 
 #include "potential/bodies.hpp"
-#include "softsim/integrator/backward_euler.hpp"
+#include "softsim/integrator/implicit.hpp"
 #include "softsim/integrator/semi_explicit_euler.hpp"
 #include "softsim/material/st_venant_kirchhoff.hpp"
 #include "softsim/mesh/selection.hpp"

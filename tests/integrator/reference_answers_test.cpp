@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "softsim/integrator/backward_euler.hpp"
+#include "softsim/integrator/implicit.hpp"
 #include "softsim/integrator/static_solver.hpp"
 #include "softsim/material/neo_hookean.hpp"
 #include "softsim/mesh/generators.hpp"

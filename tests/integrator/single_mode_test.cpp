@@ -7,7 +7,7 @@
 #include <cstddef>
 
 #include "potential/bodies.hpp"
-#include "softsim/integrator/backward_euler.hpp"
+#include "softsim/integrator/implicit.hpp"
 #include "softsim/integrator/semi_explicit_euler.hpp"
 #include "softsim/material/linear_elastic.hpp"
 #include "softsim/mesh/selection.hpp"
@@ -59,7 +59,7 @@ class SingleMode : public ::testing::TestWithParam<bool> {
 
   // Runs 30 steps from mode * 0.1 at the velocity mode * 0.3 w beside the oscillator that `advance` steps.
   template <class Integrator, class Advance>
-  void expect_oscillator(Integrator integrator, double tolerance, Advance advance) {
+  void expect_oscillator(Integrator integrator, double tolerance, Advance advance) const {
     double u = 0.1, v = 0.03 * omega;
     Motion<double> motion(mesh.points().size());
     motion.q.displacement = u * mode;
@@ -109,6 +109,115 @@ TEST_P(SingleMode, OfSemiExplicitEuler) {
           u += h * v;
         });
   }
+}
+
+// Schemes as their textbooks write them for one oscillator of unit mass, damping c and stiffness k.
+struct Oscillator {
+  double c, k;
+  [[nodiscard]] double acceleration(double u, double v) const { return -c * v - k * u; }
+};
+
+// Generalised-alpha after Chung & Hulbert 1993: c v + k u at the time 1 - alpha_f, a at 1 - alpha_m.
+struct ChungHulbert {
+  Oscillator o;
+  double h, alpha_m, alpha_f, beta, gamma, a = 0;
+  bool started = false;
+  void operator()(double& u, double& v) {
+    if (!started) a = o.acceleration(u, v);
+    started = true;
+    // u_1 = u_p + h^2 beta a_1, v_1 = v_p + h gamma a_1
+    const double u_p = u + h * v + h * h * (0.5 - beta) * a, v_p = v + h * (1 - gamma) * a;
+    const double rest = o.acceleration((1 - alpha_f) * u_p + alpha_f * u, (1 - alpha_f) * v_p + alpha_f * v);
+    const double a_1 =
+        (rest - alpha_m * a) / (1 - alpha_m + (1 - alpha_f) * (o.c * h * gamma + o.k * h * h * beta));
+    a = a_1;
+    u = u_p + h * h * beta * a;
+    v = v_p + h * gamma * a;
+  }
+};
+
+template <class Integrator>
+Integrator exact(double h, decltype(typename Integrator::Options().scheme) scheme, bool newton) {
+  return Integrator({.dt = h, .scheme = scheme, .newton = newton, .tolerance = 1e-11});
+}
+
+TEST_P(SingleMode, OfGeneralisedAlphaHhtAndNewmark) {
+  for (const bool newton : {false, true})
+    for (const auto [alpha, beta] : dampings) {
+      const double h = 0.4 / omega;
+      system.damping = {alpha, beta};
+      const Oscillator o{alpha + beta * omega * omega, omega * omega};
+      for (const double rho : {0.0, 0.5, 1.0}) {
+        const double m = (2 * rho - 1) / (rho + 1), f = rho / (rho + 1);
+        expect_oscillator(
+            exact<softsim::GeneralisedAlpha<System>>(h, softsim::GeneralisedAlphaScheme(rho), newton), 1e-8,
+            ChungHulbert{o, h, m, f, (1 - m + f) * (1 - m + f) / 4, 0.5 - m + f});
+      }
+      for (const double a : {-1.0 / 3, -0.05, 0.0})
+        expect_oscillator(exact<softsim::Hht<System>>(h, softsim::HhtScheme(a), newton), 1e-8,
+                          ChungHulbert{o, h, 0, -a, (1 - a) * (1 - a) / 4, 0.5 - a});
+      expect_oscillator(exact<softsim::Newmark<System>>(h, softsim::NewmarkScheme(0.3, 0.6), newton), 1e-8,
+                        ChungHulbert{o, h, 0, 0, 0.3, 0.6});
+    }
+}
+
+// (u, v)_1 - (u, v)_0 = h f at (1 - beta) y_0 + beta y_1, solved as two equations.
+TEST_P(SingleMode, OfTheGeneralisedMidpointRule) {
+  for (const bool newton : {false, true})
+    for (const auto [alpha, beta] : dampings)
+      for (const double theta : {0.5, 0.7, 1.0}) {
+        const double h = 0.4 / omega;
+        system.damping = {alpha, beta};
+        const Oscillator o{alpha + beta * omega * omega, omega * omega};
+        const auto advance = [=](double& u, double& v) {
+          const double dv =
+              h * o.acceleration(u + theta * h * v, v) / (1 + h * theta * o.c + h * h * theta * theta * o.k);
+          u += h * (v + theta * dv);
+          v += dv;
+        };
+        expect_oscillator(exact<BackwardEuler<System>>(h, softsim::Theta{theta}, newton), 1e-8, advance);
+        if (theta == 0.5)
+          expect_oscillator(
+              softsim::ImplicitMidpoint<System>({.dt = h, .newton = newton, .tolerance = 1e-11}), 1e-8,
+              advance);
+      }
+}
+
+TEST_P(SingleMode, OfTheTrapezoidalRule) {
+  for (const bool newton : {false, true})
+    for (const auto [alpha, beta] : dampings) {
+      const double h = 0.4 / omega;
+      system.damping = {alpha, beta};
+      const Oscillator o{alpha + beta * omega * omega, omega * omega};
+      expect_oscillator(
+          softsim::Implicit<softsim::Trapezoidal, System>({.dt = h, .newton = newton, .tolerance = 1e-11}),
+          1e-8, [=](double& u, double& v) {
+            const double dv = h * o.acceleration(u + h / 2 * v, v) / (1 + h / 2 * o.c + h * h / 4 * o.k);
+            u += h * (v + dv / 2);
+            v += dv;
+          });
+    }
+}
+
+TEST_P(SingleMode, OfBdf2) {
+  for (const bool newton : {false, true})
+    for (const auto [alpha, beta] : dampings) {
+      const double h = 0.4 / omega;
+      system.damping = {alpha, beta};
+      const Oscillator o{alpha + beta * omega * omega, omega * omega};
+      expect_oscillator(
+          softsim::Implicit<softsim::Bdf2, System>({.dt = h, .newton = newton, .tolerance = 1e-11}), 1e-8,
+          [=, u_0 = 0.0, v_0 = 0.0, started = false](double& u, double& v) mutable {
+            // 3/2 y_1 = b + h f(y_1), the first step y_1 = y_0 + h f(y_1)
+            const double w = started ? 1.5 : 1, b_u = started ? 2 * u - u_0 / 2 : u,
+                         b_v = started ? 2 * v - v_0 / 2 : v;
+            u_0 = u;
+            v_0 = v;
+            started = true;
+            v = (b_v - h * o.k * b_u / w) / (w + h * o.c + h * h * o.k / w);
+            u = (b_u + h * v) / w;
+          });
+    }
 }
 
 TEST_P(SingleMode, LinearisedAndConvergedStepsAreOneForALinearBody) {

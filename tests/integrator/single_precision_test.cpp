@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "potential/bodies.hpp"
-#include "softsim/integrator/backward_euler.hpp"
+#include "softsim/integrator/implicit.hpp"
 #include "softsim/integrator/semi_explicit_euler.hpp"
 #include "softsim/material/neo_hookean.hpp"
 #include "softsim/mesh/selection.hpp"

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "potential/bodies.hpp"
-#include "softsim/integrator/backward_euler.hpp"
+#include "softsim/integrator/implicit.hpp"
 #include "softsim/material/neo_hookean.hpp"
 #include "softsim/potential/elastic.hpp"
 #include "softsim/potential/heml.hpp"

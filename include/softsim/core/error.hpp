@@ -12,17 +12,20 @@
 namespace softsim {
 
 /// How a solve or a step ended. Anything but `converged` leaves the last finite state in place.
-enum class Status { converged, not_converged, not_finite };
+/// `stationary_not_minimum`: forces are in equilibrium, but there is a direction in which the energy falls.
+enum class Status { converged, not_converged, not_finite, stationary_not_minimum };
 
-/// "converged", "not_converged" or "not_finite".
+/// The name of the status.
 [[nodiscard]] constexpr std::string_view to_string(Status status) {
   switch (status) {
     case Status::converged:
       return "converged";
     case Status::not_converged:
       return "not_converged";
-    default:
+    case Status::not_finite:
       return "not_finite";
+    default:
+      return "stationary_not_minimum";
   }
 }
 

@@ -117,8 +117,8 @@ class SymmetricBlockMatrix {
       row_product(static_cast<std::size_t>(i), x, y.data() + block_stride * i);
   }
 
-  /// Calls f(j, k, transposed) for every block (i, j) of row i: it is stored block k or the transpose of that.
-  /// First those above the diagonal and on it, j ascending from i; then those below, j ascending.
+  /// Calls f(j, k, transposed) for every block (i, j) of row i: it is stored block k or the transpose of
+  /// that. First those above the diagonal and on it, j ascending from i; then those below, j ascending.
   template <class Function>
   void for_each_in_row(std::size_t i, Function f) const {
     for (std::int32_t k = row_start_[i]; k < row_start_[i + 1]; ++k)

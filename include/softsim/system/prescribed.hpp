@@ -63,6 +63,15 @@ class Prescribed {
     for (std::ptrdiff_t i = 3; i < d.size(); i += block_stride) d[i] = T(0);
     return d.size() == 0 ? 0 : static_cast<double>(d.cwiseAbs().maxCoeff());
   }
+  /// The same to where these components are after a fraction of the way from `start` to their target.
+  double increment(const State<T>& q, Vector<T>& d, const State<T>& start, double fraction) const {
+    // the goal first, so that it is met to the last bit
+    d.array() = start.displacement.array() +
+                static_cast<T>(fraction) * (target_ - start.displacement).array() - q.displacement.array();
+    d.array() *= T(1) - free_.array();
+    for (std::ptrdiff_t i = 3; i < d.size(); i += block_stride) d[i] = T(0);
+    return d.size() == 0 ? 0 : static_cast<double>(d.cwiseAbs().maxCoeff());
+  }
 
  private:
   std::ptrdiff_t index(std::int32_t point, int axis) const {

@@ -128,6 +128,14 @@ class System {
     });
   }
 
+  /// Energy of the loads from outside alone, J.
+  [[nodiscard]] double external_energy(const State<T>& q) const requires(Potential<Terms>&&...) {
+    double sum = 0;
+    for_each_term([&](const auto& term) {
+      if constexpr (std::decay_t<decltype(term)>::external) sum += term.energy(q);
+    });
+    return sum;
+  }
   /// y -= the loads from outside alone, N.
   void add_external_gradient(const State<T>& q, Vector<T>& y) const {
     for_each_term([&](const auto& term) {

@@ -16,11 +16,13 @@
 
 namespace softsim {
 
-/// Weights of the operator A = mass M + stiffness K(q) + lagged K(q_0), the last without damping forces.
+/// Weights of the operator A = mass M + stiffness K(q) + lagged K(q_0), the last without damping forces. In
+/// K(q) loads from outside that depend on the state count `external` times as much.
 struct TangentWeights {
   double mass = 0;
   double stiffness = 1;
   double lagged = 0;
+  double external = 1;
 };
 
 namespace detail {
@@ -48,13 +50,13 @@ std::size_t stencil_count(const S& system) {
 
 // Adds scale K(q) block by block, without the terms that are damping forces themselves if not asked for them.
 template <bool with_viscous = true, class S, class T>
-void add_stiffness(const S& system, const State<T>& q, double scale,
+void add_stiffness(const S& system, const State<T>& q, double scale, double external,
                    const std::vector<std::vector<std::int32_t>>& places, T* values) {
   std::size_t k = 0;
   system.for_each_term([&](const auto& term) {
     using Term = std::decay_t<decltype(term)>;
     if constexpr (Term::has_hessian && (with_viscous || !is_viscous<Term>))
-      term.add_blocks(q, static_cast<T>(scale), places[k], values);
+      term.add_blocks(q, static_cast<T>(Term::external ? scale * external : scale), places[k], values);
     ++k;
   });
 }
@@ -75,9 +77,9 @@ class AssembledTangent {
       make_pattern(system);
     system_ = &system;
     matrix_.set_zero();
-    detail::add_stiffness(system, q, weights.stiffness, places_, matrix_.values());
+    detail::add_stiffness(system, q, weights.stiffness, weights.external, places_, matrix_.values());
     if (weights.lagged != 0)
-      detail::add_stiffness<false>(system, *q_0, weights.lagged, places_, matrix_.values());
+      detail::add_stiffness<false>(system, *q_0, weights.lagged, 1, places_, matrix_.values());
     if (weights.mass != 0) {
       const T w = static_cast<T>(weights.mass);
       for (std::size_t i = 0; i < diagonal_.size(); ++i)
@@ -221,8 +223,9 @@ class MatrixFreeTangent {
           static_cast<T>(weights_.mass) *
           block(system_->mass.diagonal(), static_cast<std::ptrdiff_t>(i)).asDiagonal().toDenseMatrix();
     T* values = blocks.front().data();
-    detail::add_stiffness(*system_, *q_, weights_.stiffness, places_, values);
-    if (weights_.lagged != 0) detail::add_stiffness<false>(*system_, *q_0_, weights_.lagged, places_, values);
+    detail::add_stiffness(*system_, *q_, weights_.stiffness, weights_.external, places_, values);
+    if (weights_.lagged != 0)
+      detail::add_stiffness<false>(*system_, *q_0_, weights_.lagged, 1, places_, values);
   }
 
  private:
@@ -236,6 +239,15 @@ class MatrixFreeTangent {
   }
   template <class Term, class Kept>
   void add_product_of(const Term& term, const Kept& kept, const Vector<T>& x, Vector<T>& y) const {
+    if constexpr (Term::external && Term::has_hessian)
+      if (weights_.external != 1) {
+        external_ = static_cast<T>(weights_.external) * x;
+        return add_product_of_one(term, kept, external_, y);
+      }
+    add_product_of_one(term, kept, x, y);
+  }
+  template <class Term, class Kept>
+  void add_product_of_one(const Term& term, const Kept& kept, const Vector<T>& x, Vector<T>& y) const {
     if constexpr (std::is_same_v<Kept, detail::KeepsNothing>)
       term.add_hessian_product(*q_, x, y);
     else
@@ -259,7 +271,7 @@ class MatrixFreeTangent {
   std::uint64_t number_ = 0;
   std::size_t stencils_ = 0;
   std::vector<std::vector<std::int32_t>> places_;
-  mutable Vector<T> scratch_;
+  mutable Vector<T> scratch_, external_;
 };
 
 /// Chooses the assembled tangent for a solver or an integrator.
