@@ -12,6 +12,8 @@ namespace softsim {
 /// stress to tell apart from it.
 class LinearElastic : public LameLaw<LinearElastic> {
  public:
+  static constexpr bool objective = false;
+
   /// psi(F), J/m^3.
   template <class Derived>
   [[nodiscard]] auto energy_density(const Eigen::MatrixBase<Derived>& F) const {

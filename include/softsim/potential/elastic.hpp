@@ -16,6 +16,7 @@
 #include "softsim/material/fibre.hpp"
 #include "softsim/material/principal_tangent.hpp"
 #include "softsim/mesh/tetrahedral_mesh.hpp"
+#include "softsim/potential/discrete_gradient.hpp"
 #include "softsim/potential/elements.hpp"
 #include "softsim/potential/isotropic_blocks.hpp"
 
@@ -94,6 +95,19 @@ requires Kinematics<K> &&(Material<M> || MaterialField<M>)struct Elastic {
       df += K::geometric_product(rest, u, P, du);
     }
     return df;
+  }
+
+  /// V B^T P with the `discrete_stress` between two states, N.
+  template <class T>
+  [[nodiscard]] Eigen::Matrix<T, 3 * points, 1> discrete_gradient(const Data<T>& data,
+                                                                  const Local<T, points>& u_0,
+                                                                  const Local<T, points>& u_1) const
+      requires(!NonlinearKinematics<K, T>) {
+    const auto& rest = shape(data);
+    Mat3<T> P = discrete_stress(law(data), Mat3<T>(K::deformation_gradient(rest, u_0)),
+                                Mat3<T>(K::deformation_gradient(rest, u_1)));
+    P *= K::volume(rest);
+    return K::pullback(rest, u_1, P);
   }
 
   /// The law's own linearisation at F, for a law that has one worth keeping.

@@ -198,6 +198,16 @@ class Elements {
     });
   }
 
+  /// y += the discrete gradient between two states: in every stencil it does the work of the difference of
+  /// the energies over q_1 - q_0 and has the symmetries of the energy (Gonzalez), N.
+  void add_discrete_gradient(const State<T>& q_0, const State<T>& q_1, Vector<T>& y) const requires(
+      !requires { requires E::from_positions; } && requires { &E::template discrete_gradient<Value>; }) {
+    const T* from = q_0.displacement.data();
+    visit(q_1, &y, [&](const E& model, const Data& data, const Unknowns<E, Value>& u, const Chunk& chunk) {
+      return model.discrete_gradient(data, gather(chunk, from), u);
+    });
+  }
+
   /// Calls f(stencil) for every stencil in storage order.
   template <class Function>
   void for_each_stencil(Function f) const {

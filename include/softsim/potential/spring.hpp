@@ -105,6 +105,22 @@ struct Spring : SpringLink {
     return opposite<T>(df);
   }
 
+  /// k (1 - 2 l0/(l_0 + l_1)) on the mean of the two links: over the increment between two states it does the
+  /// work of the difference of their energies, and is central (Gonzalez' discrete gradient in the squared
+  /// length).
+  template <class T>
+  [[nodiscard]] Eigen::Matrix<T, 6, 1> discrete_gradient(const Data<T>& data, const Local<T, 2>& u_0,
+                                                         const Local<T, 2>& u_1) const {
+    using std::sqrt;
+    const auto [d_0, squares_0] = stretch(data, u_0);
+    const auto [d_1, squares_1] = stretch(data, u_1);
+    const T l_0 = sqrt(clamped(data, d_0)), l_1 = sqrt(clamped(data, d_1));
+    const T elongations = squares_0 / (l_0 + data.length) + squares_1 / (l_1 + data.length);
+    const T half = T(0.5) * data.stiffness * elongations / (l_0 + l_1);
+    const Vec3<T> f = half * (d_0 + d_1);
+    return opposite<T>(f);
+  }
+
  private:
   template <class T>
   static T clamped(const Data<T>& data, const Vec3<T>& d) {
@@ -145,6 +161,17 @@ struct SquaredLengthSpring : SpringLink {
     const T c = coefficient(data), tension = c * squares, along = T(2) * c * d.dot(dd);
     const Vec3<T> df = tension * dd + along * d;
     return opposite<T>(df);
+  }
+
+  /// The same with the mean of both tensions on the mean of both links: see `Spring::discrete_gradient`.
+  template <class T>
+  [[nodiscard]] Eigen::Matrix<T, 6, 1> discrete_gradient(const Data<T>& data, const Local<T, 2>& u_0,
+                                                         const Local<T, 2>& u_1) const {
+    const auto [d_0, squares_0] = stretch(data, u_0);
+    const auto [d_1, squares_1] = stretch(data, u_1);
+    const T quarter = T(0.25) * coefficient(data) * (squares_0 + squares_1);
+    const Vec3<T> f = quarter * (d_0 + d_1);
+    return opposite<T>(f);
   }
 
  private:

@@ -84,6 +84,27 @@ class IncrementalPotential {
       system_->add_external_gradient(q, product_);
       g += static_cast<T>(load_ - 1) * product_;
     }
+    return add_step(q, g);
+  }
+
+  /// What prescribed components still have to move from q: see `Prescribed::increment`.
+  double increment(const State<T>& q, Vector<T>& d) const {
+    return fraction_ == 1 ? system_->prescribed.increment(q, d)
+                          : system_->prescribed.increment(q, d, *from_, fraction_);
+  }
+
+  /// Linearises at q.
+  template <class Tangent>
+  void linearise(const State<T>& q, Tangent& tangent) const {
+    linearise(q, tangent, 1);
+  }
+
+ protected:
+  /// The state that the step starts from.
+  [[nodiscard]] const State<T>& start() const { return *from_; }
+
+  /// g += the terms of the step, g being the gradient of the energy at q. Returns what `gradient` does.
+  double add_step(const State<T>& q, Vector<T>& g) const {
     if (!(external_ > 0) && initial_ < 0) initial_ = norm(g);
     const double internal = external_ > 0 ? 0 : std::max(initial_, norm(g));
     if (terms_ == nullptr) return external_ > 0 ? external_ : internal;
@@ -99,16 +120,10 @@ class IncrementalPotential {
     return external_ > 0 ? external_ : std::max(internal, inertia_);
   }
 
-  /// What prescribed components still have to move from q: see `Prescribed::increment`.
-  double increment(const State<T>& q, Vector<T>& d) const {
-    return fraction_ == 1 ? system_->prescribed.increment(q, d)
-                          : system_->prescribed.increment(q, d, *from_, fraction_);
-  }
-
-  /// Linearises at q.
+  /// Linearises with `stiffness` times the Hessian of the energy at q.
   template <class Tangent>
-  void linearise(const State<T>& q, Tangent& tangent) const {
-    TangentWeights weights{.mass = mass_, .external = load_};
+  void linearise(const State<T>& q, Tangent& tangent, double stiffness) const {
+    TangentWeights weights{.mass = mass_, .stiffness = stiffness, .external = load_};
     if (terms_ != nullptr) weights.lagged = system_->damping.beta * terms_->damping;
     if (!S::viscous && weights.lagged != 0 && q.displacement == from_->displacement) {
       weights.stiffness += weights.lagged;

@@ -30,6 +30,11 @@ concept remembers = requires(Term& term, const State<typename Term::Scalar>& q,
   term.begin_step(q, v, 0.0);
 };
 template <class Term>
+concept has_discrete_gradient = requires(const Term& term, const State<typename Term::Scalar>& q,
+                                         Vector<typename Term::Scalar>& y) {
+  term.add_discrete_gradient(q, q, y);
+};
+template <class Term>
 concept is_viscous = Term::viscous;
 template <class S>
 concept has_memory = S::has_memory;
@@ -53,6 +58,10 @@ class System {
   static constexpr bool has_memory = (detail::remembers<Terms> || ...);
   /// True if a term's Hessian is, during an implicit step, that of a damping force.
   static constexpr bool viscous = (detail::is_viscous<Terms> || ...);
+
+  /// True if all terms that depend on the state offer a discrete gradient.
+  static constexpr bool has_discrete_gradient =
+      ((!Terms::has_hessian || detail::has_discrete_gradient<Terms>)&&...);
 
   std::tuple<Terms...> terms;
   Prescribed<T> prescribed;
@@ -88,6 +97,17 @@ class System {
   /// y += K d, K the Hessian at q.
   void add_hessian_product(const State<T>& q, const Vector<T>& d, Vector<T>& y) const {
     std::apply([&](const auto&... term) { (term.add_hessian_product(q, d, y), ...); }, terms);
+  }
+  /// y += the discrete gradients of the terms between two states, N; loads that do not depend on the state
+  /// are their own.
+  void add_discrete_gradient(const State<T>& q_0, const State<T>& q_1, Vector<T>& y) const
+      requires(has_discrete_gradient) {
+    for_each_term([&](const auto& term) {
+      if constexpr (!std::decay_t<decltype(term)>::has_hessian)
+        term.add_gradient(q_1, y);
+      else
+        term.add_discrete_gradient(q_0, q_1, y);
+    });
   }
   /// y += K d without the terms that are damping forces themselves.
   void add_elastic_hessian_product(const State<T>& q, const Vector<T>& d, Vector<T>& y) const {
