@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "potential/bodies.hpp"
+#include "potential/truss.hpp"
 #include "softsim/material/neo_hookean.hpp"
 #include "softsim/potential/dead_load.hpp"
 #include "softsim/potential/elastic.hpp"
@@ -80,6 +81,17 @@ TEST(Supports, ThreeNodesNotInLineHold) {
     system.prescribed.fix(corner);
     EXPECT_EQ(refusal(system), "");
   }
+}
+
+// A node that nothing is attached to cannot turn, but it can move.
+TEST(Supports, ANodeAloneHasToBeHeldAltogether) {
+  truss::Truss t(0.3, 1);  // no bar goes to its node 3
+  EXPECT_EQ(refusal(t.system), "");
+  t.system.prescribed.release(3);
+  t.system.prescribed.set(3, 0, 0);
+  t.system.prescribed.set(3, 1, 0);
+  EXPECT_EQ(refusal(t.system),
+            "static solve: piece 1 (1 nodes, around 0, 1, 0) is free to move: 1 of its nodes is" + needed);
 }
 
 TEST(Supports, RollersOnThreePlanesHold) {

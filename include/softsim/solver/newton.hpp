@@ -172,6 +172,7 @@ class Newton {
   template <class Problem>
   StepReport verified(const Problem& problem, const State<T>& q, const StepReport& report) {
     linearise(problem, q);
+    b_.resize(q.size());
     for (std::ptrdiff_t k = 0; k < b_.size(); ++k)
       b_[k] = static_cast<T>(std::sin(1.0 + static_cast<double>(k) * static_cast<double>(k)));
     problem.system().prescribed.mask(b_);

@@ -62,7 +62,7 @@ void require_supports(const S& system) {
       });
   });
   struct Piece {
-    std::size_t nodes = 0, held = 0;
+    std::size_t nodes = 0, held = 0, components = 0;
     Vec3<double> centre = Vec3<double>::Zero();
     double radius = 0;
     detail::Matrix6 gram{};
@@ -84,6 +84,7 @@ void require_supports(const S& system) {
     for (int axis = 0; axis < 3; ++axis)
       if (system.prescribed.contains(static_cast<std::int32_t>(i), axis)) {
         held = true;
+        ++piece.components;
         // this component of three translations and three rotations
         const Vec3<double> e = Vec3<double>::Unit(axis), r = x.cross(e);
         const std::array<double, 6> motion{e[0], e[1], e[2], r[0], r[1], r[2]};
@@ -99,8 +100,9 @@ void require_supports(const S& system) {
       const double x = piece.centre[axis];
       return to_text(std::abs(x) < 1e-9 * piece.radius ? 0 : x);
     };
-    // Nodes a ten-thousandth of the piece's size out of line count as in line.
-    if (detail::smallest_pivot(piece.gram) <= 1e-8)
+    // Nodes a ten-thousandth of the piece's size out of line count as in line. What is held altogether cannot
+    // move, however few nodes it has.
+    if (piece.components < 3 * piece.nodes && detail::smallest_pivot(piece.gram) <= 1e-8)
       invalid(std::string("static solve: piece ") + std::to_string(number) + " (" +
               std::to_string(piece.nodes) + " nodes, around " + coordinate(0) + ", " + coordinate(1) + ", " +
               coordinate(2) + ") is free to move: " + std::to_string(piece.held) + " of its nodes " +
