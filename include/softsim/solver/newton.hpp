@@ -176,7 +176,7 @@ class Newton {
     for (std::ptrdiff_t k = 0; k < b_.size(); ++k)
       b_[k] = static_cast<T>(std::sin(1.0 + static_cast<double>(k) * static_cast<double>(k)));
     problem.system().prescribed.mask(b_);
-    x_.setZero();
+    x_.setZero(q.size());
     typename ConjugateGradient::template Workspace<T> workspace;
     const LinearReport probed = ConjugateGradient{.max_iterations = 1000, .tolerance = 1e-6}.solve(
         tangent_, NoPreconditioner<T>(), b_, x_, workspace);
