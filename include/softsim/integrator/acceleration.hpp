@@ -71,8 +71,8 @@ class Acceleration {
     system.prescribed.increment(q, p);
     p /= h;
   }
-  /// Velocities a step starts with, m/s: v with p on prescribed components. `held` becomes (p - v)/h there and 0
-  /// elsewhere: what their change of velocity, spread over the step, pulls with on neighbours through a
+  /// Velocities a step starts with, m/s: v with p on prescribed components. `held` becomes (p - v)/h there
+  /// and 0 elsewhere: what their change of velocity, spread over the step, pulls with on neighbours through a
   /// consistent mass.
   static void start(const S& system, const Vector<T>& v, const Vector<T>& p, T h, Vector<T>& v_0,
                     Vector<T>& held) {

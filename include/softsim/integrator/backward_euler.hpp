@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "softsim/integrator/stability.hpp"
 #include "softsim/solver/newton.hpp"
 #include "softsim/system/system.hpp"
 
@@ -34,8 +35,20 @@ class BackwardEuler {
         newton_(NewtonOptions{.max_iterations = options.max_newton_iterations,
                               .tolerance = options.tolerance,
                               .linear = {options.linear.max_iterations, options.tolerance}}) {
-    if (!(options.dt > 0) || !(options.dt <= 1e300))
-      invalid(std::string("dt ") + to_text(options.dt) + " s: must be positive and finite");
+    set_dt(options.dt);
+  }
+
+  /// The step, s.
+  [[nodiscard]] double dt() const { return options_.dt; }
+  /// Changes the step. @throws std::invalid_argument unless it is positive
+  void set_dt(double dt) {
+    if (!(dt > 0) || !(dt <= 1e300))
+      invalid(std::string("dt ") + to_text(dt) + " s: must be positive and finite");
+    options_.dt = dt;
+  }
+  /// Growth of an oscillator's amplitude over one step.
+  [[nodiscard]] double spectral_radius(double Omega, double xi) const {
+    return stability::spectral_radius(stability::backward_euler, Omega, xi);
   }
 
   /// Advances the motion by dt. If the result is not finite the motion stays as it was; if it did not

@@ -26,8 +26,8 @@ struct ButcherCoefficients {
 /// conditions.
 class ButcherTableau {
  public:
-  /// @throws std::invalid_argument naming row and value unless all lists fit each other, everything is finite,
-  /// a is strictly lower triangular, sum b = 1 (b_hat too) and c_i = sum_j a_ij
+  /// @throws std::invalid_argument naming row and value unless all lists fit each other, everything is
+  /// finite, a is strictly lower triangular, sum b = 1 (b_hat too) and c_i = sum_j a_ij
   explicit ButcherTableau(const ButcherCoefficients& t) : b_(t.b), c_(t.c), b_hat_(t.b_hat) {
     const std::size_t s = t.b.size();
     if (s == 0) invalid("tableau: b has no entry");
@@ -42,7 +42,8 @@ class ButcherTableau {
     a_.assign(s * s, 0);
     for (std::size_t i = 0; i < s; ++i) {
       if (t.a[i].size() > s)
-        invalid(row("a", i) + std::to_string(t.a[i].size()) + " entries for " + std::to_string(s) + " stages");
+        invalid(row("a", i) + std::to_string(t.a[i].size()) + " entries for " + std::to_string(s) +
+                " stages");
       double sum = 0;
       for (std::size_t j = 0; j < t.a[i].size(); ++j) {
         const double a = t.a[i][j];

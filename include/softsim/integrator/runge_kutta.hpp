@@ -18,8 +18,8 @@
 namespace softsim {
 
 /// The stages of one explicit Runge-Kutta step in Munthe-Kaas form: the increment u of q_0, rather than q, is
-/// what is summed, u_i = h sum_j a_ij k_j with q_i = retract(q_0, u_i) and k_i = dexp_inv(u_i) v_i, beside v_i
-/// = v_0 + h sum_j a_ij a(q_j, v_j): the order is then the same on curved manifolds (Munthe-Kaas 1999).
+/// what is summed, u_i = h sum_j a_ij k_j with q_i = retract(q_0, u_i) and k_i = dexp_inv(u_i) v_i, beside
+/// v_i = v_0 + h sum_j a_ij a(q_j, v_j): the order is then the same on curved manifolds (Munthe-Kaas 1999).
 /// Integrators hold one; it changes nothing but what it is given to write.
 template <class S>
 class RungeKuttaStages {
@@ -28,10 +28,7 @@ class RungeKuttaStages {
 
   /// @param linear for a consistent mass only
   RungeKuttaStages(ButcherTableau tableau, const ConjugateGradient& linear)
-      : tableau_(std::move(tableau)),
-        acceleration_(linear),
-        k_(tableau_.stages()),
-        a_(tableau_.stages()) {}
+      : tableau_(std::move(tableau)), acceleration_(linear), k_(tableau_.stages()), a_(tableau_.stages()) {}
 
   /// The method.
   [[nodiscard]] const ButcherTableau& tableau() const { return tableau_; }
@@ -101,10 +98,10 @@ struct RungeKuttaOptions {
   ConjugateGradient linear{.max_iterations = 500, .tolerance = 1e-12};  ///< for a consistent mass matrix only
 };
 
-/// Explicit Runge-Kutta methods with one step size; see `RungeKuttaStages` and `Acceleration`. Of the order of
-/// the tableau where forces are as smooth as that. With terms that remember: of order 2 at most, which is what
-/// their histories are; stages ask for forces at their own time. Reports carry the iterations of all mass
-/// solves and the largest residual.
+/// Explicit Runge-Kutta methods with one step size; see `RungeKuttaStages` and `Acceleration`. Of the order
+/// of the tableau where forces are as smooth as that. With terms that remember: of order 2 at most, which is
+/// what their histories are; stages ask for forces at their own time. Reports carry the iterations of all
+/// mass solves and the largest residual.
 template <class S>
 class RungeKutta {
  public:

@@ -12,9 +12,9 @@
 #include <limits>
 
 /// What one step of a method does to an oscillator u'' + 2 xi omega u' + omega^2 u = 0, as numbers: Omega =
-/// omega h is the step in units of the oscillator, xi >= 0 the damping ratio. Methods for first-order equations
-/// have a stability function R(z): y' = lambda y goes to R(h lambda) y. Methods for second-order equations
-/// have an amplification matrix for (u, h u', h^2 u'').
+/// omega h is the step in units of the oscillator, xi >= 0 the damping ratio. Methods for first-order
+/// equations have a stability function R(z): y' = lambda y goes to R(h lambda) y. Methods for second-order
+/// equations have an amplification matrix for (u, h u', h^2 u'').
 namespace softsim::stability {
 
 using Complex = std::complex<double>;
@@ -72,43 +72,44 @@ template <StabilityFunction R>
 
 namespace detail {
 
-// Roots of r^2 - trace r + determinant. A pair has the modulus sqrt(determinant) to the last digit, so that
-// a method that conserves is seen to.
-inline Roots quadratic(double trace, double determinant) {
-  const double half = trace / 2, radicand = half * half - determinant;
+// Roots r = 1 + m of m^2 + p m + s: small steps have roots close to 1, whose distance from it is what counts.
+// A pair has the modulus sqrt(1 - p + s) to the last digit, so that a method that conserves, p = s, is seen
+// to.
+inline Roots quadratic(double p, double s) {
+  const double radicand = p * p / 4 - s;
   if (radicand < 0) {
-    const Complex r(half, std::sqrt(-radicand));
-    const Complex unit = r * (std::sqrt(determinant) / std::abs(r));
-    return {{unit, std::conj(unit)}, 2};
+    const Complex r(1 - p / 2, std::sqrt(-radicand));
+    const Complex exact = r * (std::sqrt(1 - p + s) / std::abs(r));
+    return {{exact, std::conj(exact)}, 2};
   }
-  const double large = half + std::copysign(std::sqrt(radicand), half);
-  return {{Complex(large), Complex(large == 0 ? 0 : determinant / large)}, 2};
+  const double large = -(p / 2 + std::copysign(std::sqrt(radicand), p));
+  return {{Complex(1 + (large == 0 ? 0 : s / large)), Complex(1 + large)}, 2};
 }
 
 using Matrix = std::array<std::array<double, 3>, 3>;
 
-// Eigenvalues of a real 3x3 matrix: one real root by Newton's method with bisection, then the other two.
-inline Roots eigenvalues(const Matrix& A) {
+// Eigenvalues of I + A: one real eigenvalue of A by Newton's method with bisection, then the other two.
+inline Roots eigenvalues_of_identity_plus(const Matrix& A) {
   const auto minor = [&](std::size_t i, std::size_t j) { return A[i][i] * A[j][j] - A[i][j] * A[j][i]; };
   const double a = A[0][0] + A[1][1] + A[2][2], b = minor(0, 1) + minor(0, 2) + minor(1, 2);
   const double c = A[0][0] * minor(1, 2) - A[0][1] * (A[1][0] * A[2][2] - A[1][2] * A[2][0]) +
                    A[0][2] * (A[1][0] * A[2][1] - A[1][1] * A[2][0]);
-  const auto p = [&](double r) { return ((r - a) * r + b) * r - c; };
-  const double bound = 1 + std::max({std::abs(a), std::abs(b), std::abs(c)});
-  double low = -bound, high = bound, r = 0;
-  for (int k = 0; k < 200 && low < high; ++k) {
-    const double value = p(r), slope = (3 * r - 2 * a) * r + b;
+  double low = -1 - std::max({std::abs(a), std::abs(b), std::abs(c)}), high = -low, m = low / 2;
+  for (int k = 0; k < 200; ++k) {
+    const double value = ((m - a) * m + b) * m - c, slope = (3 * m - 2 * a) * m + b;
     if (value == 0) break;
-    (value < 0 ? low : high) = r;
-    double next = r - value / slope;
+    (value < 0 ? low : high) = m;
+    double next = m - value / slope;
     if (!(next > low && next < high)) next = low + (high - low) / 2;
-    if (std::abs(next - r) <= std::numeric_limits<double>::epsilon() * std::abs(next)) break;
-    r = next;
+    if (!(next > low && next < high)) break;
+    const bool still = std::abs(next - m) <= std::numeric_limits<double>::epsilon() * std::abs(next);
+    m = next;
+    if (still) break;
   }
-  // b - r (a - r) and c/r are the same number; the one without cancellation depends on the size of r
-  const double determinant = std::abs(r) > 1 ? c / r : b - r * (a - r);
-  Roots both = quadratic(a - r, determinant);
-  both.value[2] = r;
+  // Two forms of the same number; the first cancels where m is the smallest of the three.
+  const double product = std::abs(m) > 0.1 ? c / m : b - m * (a - m);
+  Roots both = quadratic(m - a, product);
+  both.value[2] = 1 + m;
   both.count = 3;
   return both;
 }
@@ -120,8 +121,8 @@ inline Roots eigenvalues(const Matrix& A) {
 /// Semi-explicit (symplectic) Euler with the damping force at the start of the step, as `SemiExplicitEuler`:
 /// stable up to Omega = 2 (sqrt(1 + xi^2) - xi).
 [[nodiscard]] inline Roots semi_explicit_euler(double Omega, double xi) {
-  const double d = 2 * xi * Omega;
-  return detail::quadratic(2 - d - Omega * Omega, 1 - d);
+  const double d = 2 * xi * Omega, o = Omega * Omega;
+  return detail::quadratic(d + o, o);
 }
 
 /// Velocity Verlet as `VelocityVerlet`: both kicks half the acceleration, at the end with the velocity
@@ -129,10 +130,9 @@ inline Roots eigenvalues(const Matrix& A) {
 [[nodiscard]] inline Roots velocity_verlet(double Omega, double xi) {
   const double d = 2 * xi * Omega, o = Omega * Omega;
   // (u_1, w_1) = A (u_0, w_0) with w = h v
-  const double uu = 1 - o / 2, uw = 1 - d / 2;
-  const double wu = -o / 2 - o * uu / 2 + d * o / 2, ww = 1 - d / 2 - o * uw / 2 - d * (1 - d) / 2;
-  if (d == 0) return detail::quadratic(2 - o, 1);
-  return detail::quadratic(uu + ww, uu * ww - uw * wu);
+  const double uw = 1 - d / 2, less_uu = o / 2, less_ww = (d + o * uw + d * (1 - d)) / 2;
+  if (d == 0) return detail::quadratic(o, o);
+  return detail::quadratic(less_uu + less_ww, less_uu * less_ww + uw * o * (1 - o / 4 - d / 2));
 }
 
 /// Generalised-alpha of Chung & Hulbert 1993 with any of its four parameters: inertia at 1 - alpha_m, other
@@ -142,19 +142,18 @@ inline Roots eigenvalues(const Matrix& A) {
   const double d = 2 * xi * Omega, o = Omega * Omega, f = 1 - alpha_f;
   const double inertia = 1 - alpha_m + f * (gamma * d + beta * o);
   // The new acceleration from (u, w, a), w = h u', a = h^2 u''; then u and w by Newmark's formulas.
-  const std::array<double, 3> next{
-      -o / inertia, -(d + f * o) / inertia,
-      -(alpha_m + f * ((1 - gamma) * d + (0.5 - beta) * o)) / inertia};
-  detail::Matrix A{{{1, 1, 0.5 - beta}, {0, 1, 1 - gamma}, {0, 0, 0}}};
+  const std::array<double, 3> next{-o / inertia, -(d + f * o) / inertia,
+                                   -(alpha_m + f * ((1 - gamma) * d + (0.5 - beta) * o)) / inertia};
+  detail::Matrix A{{{0, 1, 0.5 - beta}, {0, 0, 1 - gamma}, {0, 0, -1}}};  // less the identity
   for (std::size_t j = 0; j < 3; ++j) {
     A[0][j] += beta * next[j];
     A[1][j] += gamma * next[j];
-    A[2][j] = next[j];
+    A[2][j] += next[j];
   }
-  return detail::eigenvalues(A);
+  return detail::eigenvalues_of_identity_plus(A);
 }
-/// Generalised-alpha with the spectral radius rho_inf in [0, 1] that it has for Omega -> infinity: alpha_m = (2
-/// rho - 1)/(rho + 1), alpha_f = rho/(rho + 1), gamma = 1/2 - alpha_m + alpha_f, beta = (1 - alpha_m +
+/// Generalised-alpha with the spectral radius rho_inf in [0, 1] that it has for Omega -> infinity: alpha_m =
+/// (2 rho - 1)/(rho + 1), alpha_f = rho/(rho + 1), gamma = 1/2 - alpha_m + alpha_f, beta = (1 - alpha_m +
 /// alpha_f)^2/4.
 [[nodiscard]] inline Roots generalised_alpha(double rho_inf, double Omega, double xi) {
   const double alpha_m = (2 * rho_inf - 1) / (rho_inf + 1), alpha_f = rho_inf / (rho_inf + 1);
@@ -171,9 +170,7 @@ inline Roots eigenvalues(const Matrix& A) {
 [[nodiscard]] inline Roots newmark(double beta, double gamma, double Omega, double xi) {
   const double d = 2 * xi * Omega, o = Omega * Omega, D = 1 + gamma * d + beta * o;
   // the acceleration is a function of (u, w) at both ends: two roots
-  const double trace = 2 - (d + (gamma + 0.5) * o) / D;
-  const double determinant = 1 - (d + (gamma - 0.5) * o) / D;
-  return detail::quadratic(trace, determinant);
+  return detail::quadratic((d + (gamma + 0.5) * o) / D, o / D);
 }
 
 // ---------------------------------------------------------------- what to make of them

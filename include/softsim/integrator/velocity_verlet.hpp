@@ -20,15 +20,15 @@ struct VelocityVerletOptions {
   ConjugateGradient linear{.max_iterations = 500, .tolerance = 1e-12};  ///< for a consistent mass matrix only
 };
 
-/// Velocity Verlet, kick - drift - kick: v = v_0 + h/2 a(q_0, v_0), q_1 = q_0 + h v, v_1 = v + h/2 a(q_1, v_0 +
-/// h a(q_0, v_0)); without damping the same positions as central differences. Second order, damping included:
-/// the velocity that damping sees at the end is predicted from the start, with an error of h^2. Symplectic
-/// without damping, and then stable while h < 2/omega_max.
+/// Velocity Verlet, kick - drift - kick: v = v_0 + h/2 a(q_0, v_0), q_1 = q_0 + h v, v_1 = v + h/2 a(q_1, v_0
+/// + h a(q_0, v_0)); without damping the same positions as central differences. Second order, damping
+/// included: the velocity that damping sees at the end is predicted from the start, with an error of h^2.
+/// Symplectic without damping, and then stable while h < 2/omega_max.
 ///
-/// The gradient of the energy, the costly part, is evaluated once a step: that at the end of a step serves the
-/// next one if q, v, time and system are exactly what the step left, else it is evaluated anew. Loads that were
-/// changed between steps are not seen by that: call `forget`, or the next step's first kick is still with the
-/// old ones. Damping forces are evaluated twice.
+/// The gradient of the energy, the costly part, is evaluated once a step: that at the end of a step serves
+/// the next one if q, v, time and system are exactly what the step left, else it is evaluated anew. Loads
+/// that were changed between steps are not seen by that: call `forget`, or the next step's first kick is
+/// still with the old ones. Damping forces are evaluated twice.
 template <class S>
 class VelocityVerlet {
  public:
