@@ -96,6 +96,16 @@ void difference(const State<T>& from, const State<T>& to, Vector<T>& d) {
   d = to.displacement - from.displacement;
 }
 
+/// Right Jacobian of the increment: w becomes the change of state, as an increment at retract(q, u), that a
+/// change w of u makes. The identity for points, which are all that there is so far; a rotation's is not.
+template <class T>
+void dexp(const State<T>& /*q*/, const Vector<T>& /*u*/, Vector<T>& /*w*/) {}
+
+/// The inverse of `dexp`: w, an increment (or velocity) at retract(q, u), becomes the change of u that makes
+/// it. The identity for points.
+template <class T>
+void dexp_inv(const State<T>& /*q*/, const Vector<T>& /*u*/, Vector<T>& /*w*/) {}
+
 /// A state in motion.
 template <class T>
 struct Motion {

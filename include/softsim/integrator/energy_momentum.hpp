@@ -5,6 +5,8 @@
 #include <cmath>
 #include <string>
 
+#include "softsim/integrator/acceleration.hpp"
+#include "softsim/integrator/stability.hpp"
 #include "softsim/solver/newton.hpp"
 #include "softsim/system/incremental_potential.hpp"
 #include "softsim/system/system.hpp"
@@ -60,8 +62,19 @@ class EnergyMomentum {
         newton_({.max_iterations = options.max_newton_iterations,
                  .tolerance = options.tolerance,
                  .linear = options.linear}) {
-    if (!(dt_ > 0) || !(dt_ <= 1e300))
-      invalid(std::string("dt ") + to_text(dt_) + " s: must be positive and finite");
+    detail::check_dt(dt_);
+  }
+
+  /// The step, s.
+  [[nodiscard]] double dt() const { return dt_; }
+  /// Changes the step. @throws std::invalid_argument unless it is positive
+  void set_dt(double dt) {
+    detail::check_dt(dt);
+    dt_ = dt;
+  }
+  /// Growth of an oscillator's amplitude over one step: that of the midpoint rule.
+  [[nodiscard]] double spectral_radius(double Omega, double xi) const {
+    return stability::spectral_radius(stability::trapezoidal, Omega, xi);
   }
 
   /// Advances the motion by dt. If the result is not finite the motion stays as it was; if it did not

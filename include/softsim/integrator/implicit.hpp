@@ -7,6 +7,7 @@
 
 #include "softsim/integrator/acceleration.hpp"
 #include "softsim/integrator/schemes.hpp"
+#include "softsim/integrator/stability.hpp"
 #include "softsim/solver/newton.hpp"
 #include "softsim/system/system.hpp"
 
@@ -54,8 +55,7 @@ class Implicit {
                  .linear = linear_of(options),
                  .update_every = options.update_every,
                  .frozen = options.frozen}) {
-    if (!(options.dt > 0) || !(options.dt <= 1e300))
-      invalid(std::string("dt ") + to_text(options.dt) + " s: must be positive and finite");
+    detail::check_dt(options.dt);
     options.scheme.check();
   }
 
@@ -63,10 +63,13 @@ class Implicit {
   [[nodiscard]] double dt() const { return options_.dt; }
   /// @throws std::invalid_argument unless it is positive
   void set_dt(double dt) {
-    if (!(dt > 0) || !(dt <= 1e300))
-      invalid(std::string("dt ") + to_text(dt) + " s: must be positive and finite");
+    detail::check_dt(dt);
     if (dt != options_.dt) history_.valid = false;
     options_.dt = dt;
+  }
+  /// Growth of an oscillator's amplitude over one step.
+  [[nodiscard]] double spectral_radius(double Omega, double xi) const {
+    return stability::spectral_radius(options_.scheme.roots(Omega, xi));
   }
   /// Newton's method, for its preconditioner's options and its callback.
   [[nodiscard]] auto& newton() { return newton_; }
@@ -85,8 +88,9 @@ class Implicit {
       history_.valid = false;
     if constexpr (Scheme::starts_with_acceleration) {
       if (!history_.valid) {
-        const LinearReport solved = acceleration_.compute(system, motion.q, motion.v, history_.acceleration);
-        if (solved.status == Status::not_finite) return ended(report, solved.status, solved.reason);
+        none_.setZero(system.size());
+        const LinearReport solved = acceleration_(system, motion.q, motion.v, none_, history_.acceleration);
+        if (solved.status != Status::converged) return ended(report, solved.status, solved.reason);
         history_.algorithmic = history_.acceleration;
       }
     }
@@ -152,11 +156,11 @@ class Implicit {
   Options options_;
   Newton<S, Operator, Preconditioner, Method> newton_;
   IncrementalPotential<S> potential_;
-  Acceleration<S> acceleration_;
+  Acceleration<S> acceleration_{ConjugateGradient{.max_iterations = 500, .tolerance = 1e-12}};
   StepTerms<T> terms_;
   SchemeHistory<T> history_;
   State<T> start_, next_, q_;
-  Vector<T> d_, v_;
+  Vector<T> d_, v_, none_;
   double time_ = 0;
 };
 

@@ -6,6 +6,7 @@
 
 #include "softsim/core/error.hpp"
 #include "softsim/core/state.hpp"
+#include "softsim/integrator/stability.hpp"
 #include "softsim/system/incremental_potential.hpp"
 
 namespace softsim {
@@ -24,6 +25,8 @@ struct SchemeHistory {
 //  - check(): throws for parameters out of range;
 //  - starts_with_force / starts_with_acceleration: what it needs at the start of a step, the second where its
 //    history is not valid;
+//  - force_time(h): how long after the start forces are taken;
+//  - roots(Omega, xi): what a step does to an oscillator, see stability.hpp;
 //  - begin(h, v_0, history, terms): the terms of the step, in terms of d = difference(q_0, q);
 //  - end(h, v_0, d, history, v_1): the velocity at the end and the history, after which d is the increment of
 //    the whole step.
@@ -42,8 +45,10 @@ struct Theta {
       invalid(std::string("beta ") + to_text(beta) +
               ": must be in (0, 1]; the method of implicitness 0 is explicit Euler");
   }
-  /// How long after the start forces are taken, s.
   [[nodiscard]] double force_time(double h) const { return beta * h; }
+  [[nodiscard]] stability::Roots roots(double Omega, double xi) const {
+    return stability::roots([this](stability::Complex z) { return stability::theta(beta, z); }, Omega, xi);
+  }
 
   template <class T>
   void begin(double h, const Vector<T>& v_0, const SchemeHistory<T>&, StepTerms<T>& terms) const {
@@ -73,6 +78,9 @@ struct Trapezoidal {
   static constexpr bool starts_with_force = true, starts_with_acceleration = false, takes_viscous = false;
   void check() const {}
   [[nodiscard]] double force_time(double h) const { return h; }
+  [[nodiscard]] stability::Roots roots(double Omega, double xi) const {
+    return stability::roots(stability::trapezoidal, Omega, xi);
+  }
 
   template <class T>
   void begin(double h, const Vector<T>& v_0, const SchemeHistory<T>&, StepTerms<T>& terms) const {
@@ -92,6 +100,9 @@ struct Bdf2 {
   static constexpr bool starts_with_force = false, starts_with_acceleration = false, takes_viscous = false;
   void check() const {}
   [[nodiscard]] double force_time(double h) const { return h; }
+  [[nodiscard]] stability::Roots roots(double Omega, double xi) const {
+    return stability::roots(stability::bdf2, Omega, xi);
+  }
 
   template <class T>
   void begin(double h, const Vector<T>& v_0, const SchemeHistory<T>& history, StepTerms<T>& terms) const {
@@ -138,6 +149,9 @@ struct GeneralisedAlphaParameters {
       invalid(std::string("alpha_f ") + to_text(alpha_f) + ": must be below 1");
   }
   [[nodiscard]] double force_time(double h) const { return h; }
+  [[nodiscard]] stability::Roots roots(double Omega, double xi) const {
+    return stability::generalised_alpha(alpha_m, alpha_f, beta, gamma, Omega, xi);
+  }
 
   template <class T>
   void begin(double h, const Vector<T>& v_0, const SchemeHistory<T>& history, StepTerms<T>& terms) const {

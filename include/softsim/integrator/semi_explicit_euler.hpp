@@ -3,8 +3,11 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 
 #include "softsim/core/state.hpp"
+#include "softsim/integrator/acceleration.hpp"
+#include "softsim/integrator/stability.hpp"
 #include "softsim/solver/conjugate_gradient.hpp"
 #include "softsim/solver/report.hpp"
 #include "softsim/system/system.hpp"
@@ -26,9 +29,21 @@ class SemiExplicitEuler {
   using T = typename S::Scalar;
 
   /// @throws std::invalid_argument unless dt is positive
-  explicit SemiExplicitEuler(const SemiExplicitEulerOptions& options) : options_(options) {
-    if (!(options.dt > 0) || !(options.dt <= 1e300))
-      invalid(std::string("dt ") + to_text(options.dt) + " s: must be positive and finite");
+  explicit SemiExplicitEuler(const SemiExplicitEulerOptions& options)
+      : options_(options), acceleration_(options.linear) {
+    detail::check_dt(options.dt);
+  }
+
+  /// The step, s.
+  [[nodiscard]] double dt() const { return options_.dt; }
+  /// Changes the step. @throws std::invalid_argument unless it is positive
+  void set_dt(double dt) {
+    detail::check_dt(dt);
+    options_.dt = dt;
+  }
+  /// Growth of an oscillator's amplitude over one step; see `stability::semi_explicit_euler`.
+  [[nodiscard]] double spectral_radius(double Omega, double xi) const {
+    return stability::spectral_radius(stability::semi_explicit_euler(Omega, xi));
   }
 
   /// Advances the motion by dt. If the result is not finite the motion stays as it was.
@@ -36,38 +51,18 @@ class SemiExplicitEuler {
     StepReport report;
     if constexpr (S::has_memory) system.begin_step(motion.q, motion.v, 0);
     const T h = static_cast<T>(options_.dt);
-    f_.setZero(system.size());
-    system.add_gradient(motion.q, f_);
-    system.add_damping_product(motion.q, motion.v, f_);
-    if (system.damping.beta != 0) {
-      p_ = static_cast<T>(system.damping.beta) * motion.v;
-      system.add_hessian_product(motion.q, p_, f_);
-    }
-    if (system.damping.alpha != 0)
-      system.mass.add_product(motion.v, static_cast<T>(system.damping.alpha), f_);
-    f_ = -f_;
     // Prescribed components first: they reach their target at the end of the step, and their acceleration is
     // known.
-    p_.resize(system.size());
-    system.prescribed.increment(motion.q, p_);
-    p_ /= h;
+    acceleration_.prescribed_velocity(system, motion.q, h, p_);
+    acceleration_.start(system, motion.v, p_, h, v_, held_);
     report.status = Status::converged;
-    if (system.mass.is_lumped()) {
-      v_ = motion.v;
-      const Vector<T>&m = system.mass.diagonal(), &free = system.prescribed.free();
-      for (std::ptrdiff_t k = 0; k < v_.size(); ++k)
-        v_[k] = free[k] == T(0) ? p_[k] : v_[k] + h * f_[k] / m[k];
-    } else {
-      solve_consistent(system, motion, h, report);
-    }
+    detail::take_in(acceleration_(system, motion.q, motion.v, held_, a_), report);
+    v_ += h * a_;
     next_ = motion.q;
     retract(next_, v_, h);
     if (report.status == Status::not_finite || !std::isfinite(norm(v_)) ||
-        !std::isfinite(norm(next_.displacement))) {
-      report.status = Status::not_finite;
-      report.reason = "the velocity is not finite: the step is too large, or a free point has no mass";
-      return report;
-    }
+        !std::isfinite(norm(next_.displacement)))
+      return detail::ended(report, Status::not_finite, detail::too_large);
     motion.q.displacement.swap(next_.displacement);
     motion.v.swap(v_);
     motion.time += options_.dt;
@@ -76,46 +71,10 @@ class SemiExplicitEuler {
   }
 
  private:
-  struct MassOperator {
-    const S* system;
-    void apply(const Vector<T>& x, Vector<T>& y) const {
-      y.setZero();
-      system->mass.add_product(x, T(1), y);
-      system->prescribed.mask(y);
-    }
-  };
-  struct MassJacobi {
-    const S* system;
-    void apply(const Vector<T>& r, Vector<T>& z) const {
-      const Vector<T>& m = system->mass.diagonal();
-      for (std::ptrdiff_t k = 0; k < r.size(); ++k) z[k] = r[k] == T(0) ? T(0) : r[k] / m[k];
-    }
-  };
-
-  // M_ff a_f = f_f - M_fp a_p, with the acceleration a_p of the prescribed components known.
-  void solve_consistent(const S& system, const Motion<T>& motion, T h, StepReport& report) {
-    const Vector<T>& free = system.prescribed.free();
-    a_.setZero(system.size());
-    for (std::ptrdiff_t k = 0; k < a_.size(); ++k)
-      if (k % block_stride != 3 && free[k] == T(0)) a_[k] = (p_[k] - motion.v[k]) / h;
-    MassOperator{&system}.apply(a_, b_.setZero(system.size()));
-    b_ = f_ - b_;
-    system.prescribed.mask(b_);
-    x_.setZero(system.size());
-    const LinearReport solved =
-        options_.linear.solve(MassOperator{&system}, MassJacobi{&system}, b_, x_, cg_);
-    report.status = solved.status;
-    report.linear_iterations = solved.iterations;
-    report.residual = solved.residual;
-    if (solved.status == Status::not_converged)
-      report.reason = "conjugate gradients on the mass matrix: too many iterations";
-    v_ = motion.v + h * (a_ + x_);
-  }
-
   SemiExplicitEulerOptions options_;
-  Vector<T> f_, p_, v_, a_, b_, x_;
+  Acceleration<S> acceleration_;
+  Vector<T> p_, held_, v_, a_;
   State<T> next_;
-  ConjugateGradient::Workspace<T> cg_;
 };
 
 }  // namespace softsim
