@@ -8,6 +8,7 @@
 
 #include "softsim/core/error.hpp"
 #include "softsim/solver/conjugate_gradient.hpp"
+#include "softsim/solver/default_preconditioner.hpp"
 #include "softsim/solver/preconditioner.hpp"
 #include "softsim/solver/report.hpp"
 #include "softsim/system/incremental_potential.hpp"
@@ -36,7 +37,8 @@ struct ArcLengthOptions {
 ///
 /// Tangents are indefinite on falling branches: take `Ldlt` as preconditioner (conjugate gradients then need
 /// one iteration), or `Minres` as method.
-template <class S, class Operator = Assembled, template <class> class Preconditioner = BlockJacobi,
+template <class S, class Operator = Assembled,
+          template <class> class Preconditioner = DefaultPreconditioner<Operator>::template type,
           class Method = ConjugateGradient>
 class ArcLength {
  public:

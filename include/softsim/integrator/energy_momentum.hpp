@@ -48,7 +48,8 @@ struct EnergyMomentumOptions {
 /// q_1 = q_0 + h (v_0 + v_1)/2. Second order. Without damping the energy stays what it is, to the tolerance
 /// of Newton's method, and so do linear and angular momentum of a body that is free, for any step. All terms
 /// have to offer a discrete gradient: elastic solids, springs and dead loads do.
-template <class S, class Operator = Assembled, template <class> class Preconditioner = BlockJacobi,
+template <class S, class Operator = Assembled,
+          template <class> class Preconditioner = DefaultPreconditioner<Operator>::template type,
           class Method = ConjugateGradient>
 class EnergyMomentum {
  public:

@@ -39,7 +39,8 @@ struct ImplicitOptions {
 /// is that one. Terms with a history are told the time at which the scheme takes forces; viscous ones take
 /// part in `Theta` schemes only.
 template <class Scheme, class S, class Operator = Assembled,
-          template <class> class Preconditioner = BlockJacobi, class Method = ConjugateGradient>
+          template <class> class Preconditioner = DefaultPreconditioner<Operator>::template type,
+          class Method = ConjugateGradient>
 class Implicit {
  public:
   using T = typename S::Scalar;
@@ -166,27 +167,32 @@ class Implicit {
 
 /// Backward Euler, q_1 = q_0 + h v_1, M (v_1 - v_0)/h = forces at (q_1, v_1): first order, unconditionally
 /// stable, damping. With another `scheme.beta` the generalised midpoint rule, see `Theta`.
-template <class S, class Operator = Assembled, template <class> class Preconditioner = BlockJacobi,
+template <class S, class Operator = Assembled,
+          template <class> class Preconditioner = DefaultPreconditioner<Operator>::template type,
           class Method = ConjugateGradient>
 using BackwardEuler = Implicit<Theta, S, Operator, Preconditioner, Method>;
 
 /// Implicit midpoint rule: `Theta` at 1/2.
-template <class S, class Operator = Assembled, template <class> class Preconditioner = BlockJacobi,
+template <class S, class Operator = Assembled,
+          template <class> class Preconditioner = DefaultPreconditioner<Operator>::template type,
           class Method = ConjugateGradient>
 using ImplicitMidpoint = Implicit<Midpoint, S, Operator, Preconditioner, Method>;
 
 /// Newmark's method: `ImplicitOptions::scheme` is a `NewmarkScheme(beta, gamma)`.
-template <class S, class Operator = Assembled, template <class> class Preconditioner = BlockJacobi,
+template <class S, class Operator = Assembled,
+          template <class> class Preconditioner = DefaultPreconditioner<Operator>::template type,
           class Method = ConjugateGradient>
 using Newmark = Implicit<NewmarkScheme, S, Operator, Preconditioner, Method>;
 
 /// HHT: `ImplicitOptions::scheme` is an `HhtScheme(alpha)`.
-template <class S, class Operator = Assembled, template <class> class Preconditioner = BlockJacobi,
+template <class S, class Operator = Assembled,
+          template <class> class Preconditioner = DefaultPreconditioner<Operator>::template type,
           class Method = ConjugateGradient>
 using Hht = Implicit<HhtScheme, S, Operator, Preconditioner, Method>;
 
 /// Generalised-alpha: `ImplicitOptions::scheme` is a `GeneralisedAlphaScheme(rho_inf)`.
-template <class S, class Operator = Assembled, template <class> class Preconditioner = BlockJacobi,
+template <class S, class Operator = Assembled,
+          template <class> class Preconditioner = DefaultPreconditioner<Operator>::template type,
           class Method = ConjugateGradient>
 using GeneralisedAlpha = Implicit<GeneralisedAlphaScheme, S, Operator, Preconditioner, Method>;
 

@@ -21,7 +21,8 @@ struct LoadSteps {
 /// Static equilibrium by Newton's method, under the full load at once or in steps that are cut back where it
 /// does not converge. Loads from outside and prescribed displacements grow together, from nothing and from
 /// where they are.
-template <class S, class Operator = Assembled, template <class> class Preconditioner = BlockJacobi,
+template <class S, class Operator = Assembled,
+          template <class> class Preconditioner = DefaultPreconditioner<Operator>::template type,
           class Method = ConjugateGradient>
 class StaticSolver {
  public:

@@ -10,6 +10,7 @@
 
 #include "softsim/core/state.hpp"
 #include "softsim/solver/conjugate_gradient.hpp"
+#include "softsim/solver/default_preconditioner.hpp"
 #include "softsim/solver/preconditioner.hpp"
 #include "softsim/solver/report.hpp"
 #include "softsim/system/tangent.hpp"
@@ -43,7 +44,8 @@ using NewtonOptions = NewtonOptionsFor<ConjugateGradient>;
 /// Problem: `conservative`, `system()`, `value(q)` in J if conservative, `gradient(q, g)`, which returns the
 /// norm that residuals are measured against, `increment(q, d)`, what prescribed components still have to
 /// move, and `linearise(q, tangent)`.
-template <class S, class Operator = Assembled, template <class> class Preconditioner = BlockJacobi,
+template <class S, class Operator = Assembled,
+          template <class> class Preconditioner = DefaultPreconditioner<Operator>::template type,
           class Method = ConjugateGradient>
 class Newton {
  public:
