@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 #include <vector>
 
 #include "softsim/core/batch.hpp"
@@ -359,15 +360,17 @@ class MultigridLevel {
       s.store(to + wide * a);
     }
   }
-  static Row load(const double* p) { return Row::load(p); }
-  static Row load(const float* p) {
-    if constexpr (simd_detail::is_wide<double, 8>) {
+  template <class S>
+  static Row load(const S* p) {
+    if constexpr (std::is_same_v<S, double>) {
+      return Row::load(p);
+    } else if constexpr (simd_detail::is_wide<double, 2 * sizeof(S)>) {
       double v[wide];
       for (std::size_t c = 0; c < wide; ++c) v[c] = static_cast<double>(p[c]);
       return Row::load(v);
     } else {
-      return typename Row::Register(
-          __builtin_convertvector(Batch<float, 8>::load(p).lanes, typename Row::Register));
+      using Register = typename Batch<double, 2 * sizeof(S)>::Register;
+      return Row(Register(__builtin_convertvector(Batch<S, 8>::load(p).lanes, Register)));
     }
   }
 
@@ -407,7 +410,7 @@ class MultigridLevel {
         x[lanes * i + c] = static_cast<float>(bits >> 8) * 0x1p-23F - 1;
       }
     double growth = 1;
-    for (int step = 0; step < 8; ++step) {
+    for (int step = 0; step < 5; ++step) {
       double before = 0, after = 0;
       for (std::size_t i = 0; i < size(); ++i) {
         Lanes_ s(0);
