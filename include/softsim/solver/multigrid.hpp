@@ -39,6 +39,8 @@ class Multigrid {
     if (fresh) finest_.make_pattern(coarse_[0]);
     depth_ = 0;
     if (finest_.groups == 0) return;
+    // Nodes of a level that is solved directly: its inverse must not cost more than the rest.
+    const std::size_t coarsest = std::clamp<std::size_t>(finest_.size() / 200, 20, 64);
     finest_.project(coarse_[0], unit_);
     for (depth_ = 1; coarse_[depth_ - 1].size() > coarsest && depth_ < 20; ++depth_) {
       detail::MultigridLevel<6>& level = coarse_[depth_ - 1];
@@ -92,7 +94,6 @@ class Multigrid {
   [[nodiscard]] const detail::MultigridLevel<6>& second() const { return coarse_.front(); }
 
  private:
-  static constexpr std::size_t coarsest = 64;  // nodes of a level that is solved directly
   static std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
   template <class A>
