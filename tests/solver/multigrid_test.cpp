@@ -36,7 +36,6 @@ TEST(Multigrid, IsSymmetricAndPositiveDefinite) {
   auto A = tangent(bodies::distorted_cube(7, 1));
   softsim::block(A.free, 77)[1] = 0;  // a roller
   const auto B = computed(A);
-  EXPECT_EQ(B.levels(), 3U);
   preconditioned::expect_symmetric_positive(A, B, single_rounding);
   const auto single = tangent<float>(bodies::distorted_cube(5, 1), 10);
   preconditioned::expect_symmetric_positive(single, computed(single), single_rounding);
@@ -57,11 +56,13 @@ TEST(Multigrid, LeadsToTheSolution) {
 TEST(Multigrid, IterationsHardlyGrowWithTheMesh) {
   const auto iterations = [](int n) {
     const auto A = tangent(softsim::box_mesh({n, n, n}, {1, 1, 1}));
-    const auto report = preconditioned::solve(A, computed(A), 1e-6).first;
+    const auto B = computed(A);
+    EXPECT_EQ(B.levels(), n > 10 ? 3U : 2U);
+    const auto report = preconditioned::solve(A, B, 1e-6).first;
     EXPECT_EQ(report.status, Status::converged);
     return report.iterations;
   };
-  const int coarse = iterations(5), fine = iterations(15);  // 648 and 12,288 unknowns
+  const int coarse = iterations(6), fine = iterations(18);  // 1,029 and 20,577 unknowns, two and three levels
   EXPECT_LT(fine, 1.5 * coarse);
   EXPECT_LT(fine, 25);
   const auto rod = tangent(softsim::cylinder_mesh(0.1, 2, 3, 60));
@@ -192,7 +193,7 @@ TEST(Multigrid, TakesWhatIsDegenerate) {
   computed(held).apply(r, z);
   EXPECT_EQ(z, r);
 
-  // 256 pieces: too many for a dense coarsest level
+  // 256 pieces that cannot become fewer: too many for a dense coarsest level
   auto pieces = softsim::box_mesh({1, 1, 1}, {1, 1, 1});
   for (int k = 0; k < 8; ++k) pieces = preconditioned::side_by_side(pieces, pieces);
   const auto many = tangent(pieces);

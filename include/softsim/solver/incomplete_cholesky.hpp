@@ -17,10 +17,10 @@ namespace softsim {
 /// z = B r with B^-1 = U^T D U close to A: incomplete Cholesky factorisation by 3x3 blocks without fill, the
 /// diagonal blocks of U being the identity (Meijerink & van der Vorst 1977). B is symmetric and positive
 /// definite whatever A is: where a pivot block loses nearly all of the diagonal block that it came from, the
-/// factorisation is repeated with a share of the diagonal blocks added to A (Manteuffel 1980), 1/1024 to 1; in
-/// the last attempt such a row is left to its diagonal block alone. U is kept and applied in single
-/// precision, which halves what an application has to read; conjugate gradients see to the accuracy. Exact
-/// without fill, as for chains.
+/// factorisation is repeated with a share of the diagonal blocks added to A (Manteuffel 1980), 1/1024 to 1;
+/// in the last attempt such a row is left to its diagonal block alone. U is kept and applied in single
+/// precision, which halves what an application has to read; conjugate gradients see to the accuracy. Where
+/// there is no fill, as for a chain, B is the inverse of A.
 template <class T>
 class IncompleteCholesky {
  public:

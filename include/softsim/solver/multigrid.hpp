@@ -32,13 +32,15 @@ class Multigrid {
     bool fresh = pattern_ != matrix.pattern() || free_.size() != free.size() || free_ != free;
     if (fresh) make_pattern(a, free);
     load(matrix, free);
-    double threshold = 0.08;
+    double threshold = 0.04;
     fresh = finest_.find_strong(threshold) || fresh;
     finest_.prepare_smoother(unit_);
     if (coarse_.empty()) coarse_.resize(1);
     if (fresh) finest_.make_pattern(coarse_[0]);
     depth_ = 0;
     if (finest_.groups == 0) return;
+    // Nodes of a level that is solved directly: its inverse must not cost more than the rest.
+    const std::size_t coarsest = std::clamp<std::size_t>(finest_.size() / 200, 20, 64);
     finest_.project(coarse_[0], unit_);
     for (depth_ = 1; coarse_[depth_ - 1].size() > coarsest && depth_ < 20; ++depth_) {
       detail::MultigridLevel<6>& level = coarse_[depth_ - 1];
@@ -54,7 +56,7 @@ class Multigrid {
       if (here.groups == 0 || here.groups >= here.size()) break;
       here.project(next, unit_);
     }
-    direct_ = coarse_[depth_ - 1].size() <= 8 * coarsest;
+    direct_ = coarse_[depth_ - 1].size() <= 2 * coarsest;
     if (direct_) factorise();
   }
 
@@ -92,7 +94,6 @@ class Multigrid {
   [[nodiscard]] const detail::MultigridLevel<6>& second() const { return coarse_.front(); }
 
  private:
-  static constexpr std::size_t coarsest = 24;  // nodes of a level that is solved directly
   static std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
   template <class A>
@@ -150,15 +151,18 @@ class Multigrid {
       for (std::int32_t k = finest_.start[i]; k < finest_.start[i + 1]; ++k) {
         const Source& source = source_[at(k)];
         const auto from = matrix.block(source.block);
-        const auto open_there = block(free, source.column);
-        double* to = &finest_.values[9 * at(k)];
-        for (int c = 0; c < 3; ++c)
-          for (int d = 0; d < 3; ++d)
-            to[3 * c + d] =
-                static_cast<double>(open[c] * open_there[d] * (source.transposed ? from(d, c) : from(c, d)));
+        Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> to(&finest_.values[9 * at(k)]);
+        if (source.transposed)
+          to = from.transpose().template cast<double>();
+        else
+          to = from.template cast<double>();
+        if (const auto open_there = block(free, source.column);
+            open.minCoeff() == T(0) || open_there.minCoeff() == T(0))
+          for (int c = 0; c < 3; ++c)
+            for (int d = 0; d < 3; ++d) to(c, d) *= static_cast<double>(open[c] * open_there[d]);
         if (k == finest_.diagonal[i])
           for (int c = 0; c < 3; ++c)
-            if (to[4 * c] == 0) to[4 * c] = unit_;
+            if (to(c, c) == 0) to(c, c) = unit_;
       }
     }
   }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 #include <vector>
 
 #include "softsim/core/batch.hpp"
@@ -123,7 +124,8 @@ class MultigridLevel {
   /// Copies A / unit for the cycle and inverts its diagonal blocks; one that is not positive definite is
   /// replaced by the absolute values of its diagonal.
   void prepare_smoother(double unit) {
-    single_.resize(R * lanes * column.size(), 0.0F);
+    // The product reads a register where a column has R scalars: some more at the very end.
+    single_.resize(entries * column.size() + lanes - R, 0.0F);
     inverse_.resize(entries * size());
     inverse_single_.resize(R * lanes * size(), 0.0F);
     r.resize(lanes * size(), 0.0F);
@@ -132,7 +134,7 @@ class MultigridLevel {
     for (std::size_t k = 0; k < column.size(); ++k)
       for (std::size_t b = 0; b < R; ++b)
         for (std::size_t a = 0; a < R; ++a)
-          single_[R * lanes * k + lanes * b + a] = static_cast<float>(values[entries * k + R * a + b] / unit);
+          single_[entries * k + R * b + a] = static_cast<float>(values[entries * k + R * a + b] / unit);
     for (std::size_t i = 0; i < size(); ++i) {
       const Block D = Eigen::Map<const Block>(&values[entries * at(diagonal[i])]);
       const Eigen::LLT<Block> llt(D);
@@ -359,15 +361,17 @@ class MultigridLevel {
       s.store(to + wide * a);
     }
   }
-  static Row load(const double* p) { return Row::load(p); }
-  static Row load(const float* p) {
-    if constexpr (simd_detail::is_wide<double, 8>) {
+  template <class S>
+  static Row load(const S* p) {
+    if constexpr (std::is_same_v<S, double>) {
+      return Row::load(p);
+    } else if constexpr (simd_detail::is_wide<double, 2 * sizeof(S)>) {
       double v[wide];
       for (std::size_t c = 0; c < wide; ++c) v[c] = static_cast<double>(p[c]);
       return Row::load(v);
     } else {
-      return typename Row::Register(
-          __builtin_convertvector(Batch<float, 8>::load(p).lanes, typename Row::Register));
+      using Register = typename Batch<double, 2 * sizeof(S)>::Register;
+      return Row(Register(__builtin_convertvector(Batch<S, 8>::load(p).lanes, Register)));
     }
   }
 
@@ -407,7 +411,7 @@ class MultigridLevel {
         x[lanes * i + c] = static_cast<float>(bits >> 8) * 0x1p-23F - 1;
       }
     double growth = 1;
-    for (int step = 0; step < 8; ++step) {
+    for (int step = 0; step < 5; ++step) {
       double before = 0, after = 0;
       for (std::size_t i = 0; i < size(); ++i) {
         Lanes_ s(0);
@@ -426,21 +430,22 @@ class MultigridLevel {
     return 1.1 * growth;
   }
 
-  // A_k x
+  // A_k x; what is in the lanes after the first R has no meaning, and none is used.
   Lanes_ product(std::int32_t k) const {
-    const float* m = &single_[R * lanes * at(k)];
+    const float* m = &single_[entries * at(k)];
     const float* v = &x[lanes * at(column[at(k)])];
-    return columns_times(m, v);
+    return columns_times<R>(m, v);
   }
+  template <std::size_t stride>
   static Lanes_ columns_times(const float* m, const float* v) {
     Lanes_ s = Lanes_::load(m) * Lanes_(v[0]);
-    for (std::size_t b = 1; b < R; ++b) s += Lanes_::load(m + lanes * b) * Lanes_(v[b]);
+    for (std::size_t b = 1; b < R; ++b) s += Lanes_::load(m + stride * b) * Lanes_(v[b]);
     return s;
   }
   Lanes_ times_inverse(std::size_t i, const Lanes_& s) const {
     float v[lanes];
     s.store(v);
-    return columns_times(&inverse_single_[R * lanes * i], v);
+    return columns_times<lanes>(&inverse_single_[R * lanes * i], v);
   }
   void smooth(std::size_t i, const Lanes_& s) const { times_inverse(i, s).store(&x[lanes * i]); }
   void smooth_backward() const {
