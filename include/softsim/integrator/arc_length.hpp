@@ -7,10 +7,9 @@
 #include <string>
 
 #include "softsim/core/error.hpp"
-#include "softsim/solver/conjugate_gradient.hpp"
-#include "softsim/solver/default_preconditioner.hpp"
-#include "softsim/solver/preconditioner.hpp"
+#include "softsim/solver/direct.hpp"
 #include "softsim/solver/report.hpp"
+#include "softsim/solver/stationary.hpp"
 #include "softsim/system/incremental_potential.hpp"
 #include "softsim/system/supports.hpp"
 #include "softsim/system/system.hpp"
@@ -18,7 +17,7 @@
 namespace softsim {
 
 /// Options of `ArcLength` with the given linear method.
-template <class Method = ConjugateGradient>
+template <class Method = Stationary>
 struct ArcLengthOptions {
   double length = 0;          ///< of a step: norm of the increments of all displacements, m
   double tolerance = 1e-8;    ///< |residual| over the norm of the full load
@@ -35,11 +34,10 @@ struct ArcLengthOptions {
 /// incremental/iterative solution procedure that handles snap-through"). Every step is one equilibrium
 /// farther along. Loads from outside must not depend on the state; prescribed components have to be in place.
 ///
-/// Tangents are indefinite on falling branches: take `Ldlt` as preconditioner (conjugate gradients then need
-/// one iteration), or `Minres` as method.
-template <class S, class Operator = Assembled,
-          template <class> class Preconditioner = DefaultPreconditioner<Operator>::template type,
-          class Method = ConjugateGradient>
+/// Tangents are indefinite on falling branches, which the direct solver does not mind; `Minres` with
+/// `BlockJacobi` does without it.
+template <class S, class Operator = Assembled, template <class> class Preconditioner = Ldlt,
+          class Method = Stationary>
 class ArcLength {
  public:
   using T = typename S::Scalar;

@@ -55,6 +55,17 @@ struct Quadrature {
     for (std::size_t k = 0; k < n; ++k) sum += local.hessian_product(data[k], u, du);
     return sum;
   }
+  /// Sum of the points' discrete gradients, N.
+  template <class T>
+  [[nodiscard]] Eigen::Matrix<T, 3 * points, 1> discrete_gradient(
+      const Data<T>& data, const Local<T, points>& u_0, const Local<T, points>& u_1) const requires requires {
+    local.discrete_gradient(data[0], u_0, u_1);
+  }
+  {
+    Eigen::Matrix<T, 3 * points, 1> sum = Eigen::Matrix<T, 3 * points, 1>::Zero();
+    for (std::size_t k = 0; k < n; ++k) sum += local.discrete_gradient(data[k], u_0, u_1);
+    return sum;
+  }
 };
 
 /// A mesh whose elements are isoparametric: hexahedra, ten-node tetrahedra.

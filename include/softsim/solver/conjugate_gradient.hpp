@@ -22,20 +22,22 @@ struct ConjugateGradient {
     Vector<T> r, z, p, Ap;
   };
 
-  /// Solves A x = b from the x given. Ends early, with the x reached so far and `indefinite` set, at a direction p with p . A p <= 0: x is then still a descent direction of
-  /// x . A x / 2 - b . x.
+  /// Solves A x = b from the x given. Ends early, with the x reached so far and `indefinite` set, at a
+  /// direction p with p . A p <= 0: x is then still a descent direction of x . A x / 2 - b . x.
   template <class T, class A, class B>
   requires LinearOperator<A, T> && Preconditioner<B, T> LinearReport solve(const A& a,
                                                                            const B& preconditioner,
                                                                            const Vector<T>& b, Vector<T>& x,
-                                                                           Workspace<T>& w) const {
+                                                                           Workspace<T>& w)
+  const {
     LinearReport report;
     w.r.resize(b.size());
     w.z.resize(b.size());
     w.p.resize(b.size());
     w.Ap.resize(b.size());
     const double norm_b = norm(b);
-    if (!std::isfinite(norm_b)) return detail::ended(report, Status::not_finite, "the right-hand side is not finite");
+    if (!std::isfinite(norm_b))
+      return detail::ended(report, Status::not_finite, "the right-hand side is not finite");
     if (norm_b == 0) {
       x.setZero();
       return detail::ended(report, Status::converged, "");
@@ -50,7 +52,7 @@ struct ConjugateGradient {
       if (report.residual <= (fixed ? 0 : tolerance)) return detail::ended(report, Status::converged, "");
       if (report.iterations == max_iterations)
         return detail::ended(report, report.residual <= tolerance ? Status::converged : Status::not_converged,
-                     "conjugate gradients: too many iterations");
+                             "conjugate gradients: too many iterations");
       preconditioner.apply(w.r, w.z);
       const double rz_new = dot(w.r, w.z);
       if (report.iterations == 0) {
@@ -63,7 +65,8 @@ struct ConjugateGradient {
       const double curvature = dot(w.p, w.Ap);
       if (!std::isfinite(curvature) || !std::isfinite(rz))
         return detail::ended(report, Status::not_finite, "the operator or the preconditioner is not finite");
-      if (!(rz > 0)) return detail::ended(report, Status::not_converged, "the preconditioner is not positive definite");
+      if (!(rz > 0))
+        return detail::ended(report, Status::not_converged, "the preconditioner is not positive definite");
       if (!(curvature > 0)) {
         report.indefinite = true;
         return detail::ended(report, Status::not_converged, "the operator is not positive definite");

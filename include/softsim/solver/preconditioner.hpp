@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <cstddef>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "softsim/core/batch.hpp"
@@ -31,19 +33,26 @@ class Jacobi {
   void compute(const A& a, const Vector<T>& free) {
     a.diagonal_blocks(blocks_);
     inverse_.resize(free.size());
+    trouble_.clear();
     for (std::size_t i = 0; i < blocks_.size(); ++i)
       for (int c = 0; c < 4; ++c) {
         const std::ptrdiff_t k = block_stride * static_cast<std::ptrdiff_t>(i) + c;
         const T d = c < 3 ? std::abs(blocks_[i](c, c)) : T(0);
+        if (free[k] != T(0) && !(blocks_[i](c, c) > T(0)) && trouble_.empty())
+          trouble_ = std::string("node ") + std::to_string(i) + ": diagonal entry is not positive";
         inverse_[k] = free[k] == T(0) ? T(0) : d > T(0) ? 1 / d : T(1);
       }
   }
   /// Applies it to r.
   void apply(const Vector<T>& r, Vector<T>& z) const { z.array() = inverse_.array() * r.array(); }
 
+  /// Names the first node with an entry that is not positive; empty if there is none.
+  [[nodiscard]] std::string_view trouble() const { return trouble_; }
+
  private:
   std::vector<Mat3<T>> blocks_;
   Vector<T> inverse_;
+  std::string trouble_;
 };
 
 /// z_i = A_ii^-1 r_i with the 3x3 diagonal blocks A_ii. A block that is not positive definite (a tangent far
@@ -56,6 +65,7 @@ class BlockJacobi {
   void compute(const A& a, const Vector<T>& free) {
     a.diagonal_blocks(blocks_);
     inverse_.resize(12 * blocks_.size());
+    trouble_.clear();
     for (std::size_t i = 0; i < blocks_.size(); ++i) {
       const auto open = block(free, static_cast<std::ptrdiff_t>(i));
       Mat3<T> D = open.asDiagonal() * blocks_[i] * open.asDiagonal();
@@ -66,6 +76,8 @@ class BlockJacobi {
       if (D(0, 0) > T(0) && c(2, 2) > T(0) && det > T(0)) {
         inverse = c.transpose() / det;
       } else {
+        if (trouble_.empty())
+          trouble_ = std::string("node ") + std::to_string(i) + ": diagonal block is not positive definite";
         inverse.setZero();
         for (int k = 0; k < 3; ++k) inverse(k, k) = std::abs(D(k, k)) > T(0) ? 1 / std::abs(D(k, k)) : T(1);
       }
@@ -78,16 +90,23 @@ class BlockJacobi {
   }
   /// Applies it to r.
   void apply(const Vector<T>& r, Vector<T>& z) const {
-    using Four = Batch<T, 4>;
-    const T* p = inverse_.data();
-    for (std::ptrdiff_t i = 0; i < r.size(); i += block_stride, p += 12)
-      (Four::load(p) * Four(r[i]) + Four::load(p + 4) * Four(r[i + 1]) + Four::load(p + 8) * Four(r[i + 2]))
-          .store(&z[i]);
+    for (std::ptrdiff_t i = 0; i < r.size() / block_stride; ++i)
+      apply(i, r.data() + block_stride * i).store(&z[block_stride * i]);
   }
+  /// A_ii^-1 times the three scalars at r.
+  [[nodiscard]] Batch<T, 4> apply(std::ptrdiff_t i, const T* r) const {
+    using Four = Batch<T, 4>;
+    const T* p = inverse_.data() + 12 * i;
+    return Four::load(p) * Four(r[0]) + Four::load(p + 4) * Four(r[1]) + Four::load(p + 8) * Four(r[2]);
+  }
+
+  /// Names the first node whose block had to be replaced; empty if none had.
+  [[nodiscard]] std::string_view trouble() const { return trouble_; }
 
  private:
   std::vector<Mat3<T>> blocks_;
   std::vector<T> inverse_;  // three columns of four per block
+  std::string trouble_;
 };
 
 }  // namespace softsim

@@ -12,8 +12,8 @@ namespace softsim {
 struct [[nodiscard]] LinearReport {
   Status status = Status::not_converged;
   int iterations = 0;
-  double residual = 0;      ///< |b - A x| / |b|
-  bool indefinite = false;  ///< a direction of negative curvature ended it
+  double residual = 0;           ///< |b - A x| / |b|
+  bool indefinite = false;       ///< a direction of negative curvature ended it
   std::string_view reason = "";  ///< why it did not converge; empty if it did
 };
 

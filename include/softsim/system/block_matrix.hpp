@@ -86,24 +86,34 @@ class SymmetricBlockMatrix {
 
   /// Row i of A x into the four scalars at y, the last zero.
   void row_product(std::size_t i, const Vector<T>& x, T* y) const {
+    upper_product(i, x, y);
+    add_lower_product(i, x, y);
+  }
+  /// What the diagonal and the blocks above it give of row i of A x, into the four scalars at y.
+  void upper_product(std::size_t i, const Vector<T>& x, T* y) const {
     using Four = Batch<T, 4>;  // its fourth lane takes in the neighbouring scalar and is dropped
-    const auto at = [&](std::int32_t j) { return x.data() + block_stride * static_cast<std::ptrdiff_t>(j); };
-    Four sum(0), dot[3] = {Four(0), Four(0), Four(0)};
+    Four sum(0);
     const T* value = values_.data() + 9 * static_cast<std::ptrdiff_t>(row_start_[i]);
     for (std::int32_t k = row_start_[i]; k < row_start_[i + 1]; ++k, value += 9) {
-      const T* xj = at(column_[static_cast<std::size_t>(k)]);
+      const T* xj =
+          x.data() + block_stride * static_cast<std::ptrdiff_t>(column_[static_cast<std::size_t>(k)]);
       sum += Four::load(value) * Four(xj[0]) + Four::load(value + 3) * Four(xj[1]) +
              Four::load(value + 6) * Four(xj[2]);
     }
+    sum.store(y);
+    y[3] = T(0);
+  }
+  /// Adds what the blocks below the diagonal give.
+  void add_lower_product(std::size_t i, const Vector<T>& x, T* y) const {
+    using Four = Batch<T, 4>;
+    Four dot[3] = {Four(0), Four(0), Four(0)};
     for (std::int32_t k = lower_start_[i]; k < lower_start_[i + 1]; ++k) {
       const Transposed& t = lower_[static_cast<std::size_t>(k)];
-      const Four xj = Four::load(at(t.column));
+      const Four xj = Four::load(x.data() + block_stride * static_cast<std::ptrdiff_t>(t.column));
       const T* column = values_.data() + 9 * static_cast<std::ptrdiff_t>(t.block);
       for (int a = 0; a < 3; ++a) dot[a] += Four::load(column + 3 * a) * xj;
     }
-    sum.store(y);
     for (int a = 0; a < 3; ++a) y[a] += lane(dot[a], 0) + lane(dot[a], 1) + lane(dot[a], 2);
-    y[3] = T(0);
   }
 
   /// y = A x. Every row gathers its transposed blocks from the rows above it, where a good order of the nodes
