@@ -15,7 +15,7 @@ configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/softsimConfig.cmake.in
 # Before 1.0 a new minor version may break its users.
 write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/softsimConfigVersion.cmake
                                  COMPATIBILITY SameMinorVersion ARCH_INDEPENDENT)
-install(FILES ${CMAKE_CURRENT_BINARY_DIR}/softsimConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/softsimConfigVersion.cmake
+install(FILES ${CMAKE_CURRENT_LIST_DIR}/adapters.cmake ${CMAKE_CURRENT_BINARY_DIR}/softsimConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/softsimConfigVersion.cmake
         DESTINATION ${softsim_cmake_dir})
 
 file(RELATIVE_PATH softsim_pc_includedir ${CMAKE_INSTALL_FULL_DATADIR}/pkgconfig ${CMAKE_INSTALL_FULL_INCLUDEDIR})
