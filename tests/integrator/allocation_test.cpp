@@ -10,8 +10,13 @@
 #include <vector>
 
 #include "potential/bodies.hpp"
+#include "softsim/integrator/adaptive_runge_kutta.hpp"
+#include "softsim/integrator/energy_controlled.hpp"
+#include "softsim/integrator/energy_momentum.hpp"
 #include "softsim/integrator/implicit.hpp"
+#include "softsim/integrator/runge_kutta.hpp"
 #include "softsim/integrator/semi_explicit_euler.hpp"
+#include "softsim/integrator/velocity_verlet.hpp"
 #include "softsim/material/neo_hookean.hpp"
 #include "softsim/mesh/selection.hpp"
 #include "softsim/potential/dead_load.hpp"
@@ -126,6 +131,9 @@ class Allocations : public ::testing::Test {
     own.prescribed = system.prescribed;
     own.mass = system.mass;
     expect_none_of(own, softsim::SemiExplicitEuler<decltype(own)>({.dt = 1e-4}));
+    using Own = decltype(own);
+    using Verlet = softsim::VelocityVerlet<Own>;
+    expect_none_of(own, softsim::EnergyControlled<Own, Verlet>(Verlet({.dt = 1e-4}), {.tolerance = 1}));
     expect_none_of(own, BackwardEuler<decltype(own)>({.dt = 0.01, .newton = true}));
   }
   template <class Operator, template <class> class Preconditioner>
@@ -159,6 +167,33 @@ TEST_F(Allocations, NoneInStepsOfSemiExplicitEulerWithLumpedMass) {
 TEST_F(Allocations, NoneInStepsOfSemiExplicitEulerWithConsistentMass) {
   system.mass = softsim::Mass<double>::consistent(mesh, 1000);
   expect_none(softsim::SemiExplicitEuler<System>({.dt = 1e-4}));
+}
+
+TEST_F(Allocations, NoneInStepsOfOtherExplicitIntegrators) {
+  for (const bool lumped : {true, false}) {
+    system.mass =
+        lumped ? softsim::Mass<double>::lumped(mesh, 1000) : softsim::Mass<double>::consistent(mesh, 1000);
+    expect_none(softsim::RungeKutta<System>({.dt = 1e-4}));
+    expect_none(softsim::VelocityVerlet<System>({.dt = 1e-4}));
+    expect_none(softsim::AdaptiveRungeKutta<System>({.dt = 1e-4, .position_tolerance = 1e-9}));
+    using Verlet = softsim::VelocityVerlet<System>;
+    expect_none(softsim::EnergyControlled<System, Verlet>(Verlet({.dt = 1e-4}), {.tolerance = 1}));
+  }
+}
+
+TEST_F(Allocations, NoneInStepsOfOtherImplicitIntegrators) {
+  using softsim::Implicit;
+  for (const bool newton : {false, true}) {
+    expect_none(softsim::ImplicitMidpoint<System>({.dt = 0.01, .newton = newton}));
+    expect_none(Implicit<softsim::Trapezoidal, System>({.dt = 0.01, .newton = newton}));
+    expect_none(Implicit<softsim::Bdf2, System>({.dt = 0.01, .newton = newton}));
+    expect_none(softsim::GeneralisedAlpha<System>({.dt = 0.01, .newton = newton}));
+  }
+  expect_none(softsim::EnergyMomentum<System>({.dt = 0.01, .tolerance = 1e-6}));
+}
+
+TEST_F(Allocations, NoneInStepsWithAssembledIncompleteCholesky) {
+  expect_none_of_backward_euler<softsim::Assembled, softsim::IncompleteCholesky>();
 }
 
 TEST_F(Allocations, NoneInStepsWithAssembledBlockJacobi) {

@@ -118,10 +118,10 @@ class EnergyControlled {
 
   /// Advances the motion by one accepted step of at most dt(), and sets dt() for the next. Where one of
   /// dt_min does not do either, motion and dt() stay as they were, and the status is that of the integrator
-  /// or, if only the energy was too large, `not_converged`.
+  /// or, if only the energy was at fault, `not_converged` (too large) or `not_finite`.
   EnergyStepReport step(Stepped<S> system, Motion<T>& motion) {
     EnergyStepReport report;
-    const double potential = system.energy(motion.q), kinetic = system.kinetic_energy(motion.v);
+    const double potential = system.energy(motion.q), kinetic = kinetic_energy(system, motion.v);
     const double allowed = options_.tolerance + options_.relative_tolerance * (std::abs(potential) + kinetic);
     const double first = integrator_.dt();
     start_ = motion;
@@ -131,15 +131,17 @@ class EnergyControlled {
       static_cast<StepReport&>(report) = integrator_.step(system, motion);
       if (report.status == Status::converged) {
         report.energy_change =
-            system.energy(motion.q) - potential + (system.kinetic_energy(motion.v) - kinetic);
+            system.energy(motion.q) - potential + (kinetic_energy(system, motion.v) - kinetic);
         if (report.energy_change <= allowed) {
           report.dt = h;
           if (report.rejected == 0 && std::abs(report.energy_change) <= options_.quiet * allowed)
             integrator_.set_dt(std::min(options_.dt_max, h * options_.grow));
           return report;
         }
-        report.status = Status::not_converged;
-        report.reason = "the energy grows by more than the tolerance with the smallest step";
+        const bool finite = std::isfinite(report.energy_change);
+        report.status = finite ? Status::not_converged : Status::not_finite;
+        report.reason = finite ? "the energy grows by more than the tolerance with the smallest step"
+                               : "the energy is not finite";
       }
       motion = start_;
       if constexpr (S::has_memory) memory_.restore(system.terms);
@@ -152,9 +154,17 @@ class EnergyControlled {
   }
 
  private:
+  // That of the system, without its new vector.
+  double kinetic_energy(const S& system, const Vector<T>& v) {
+    momentum_.setZero(v.size());
+    system.mass.add_product(v, T(1), momentum_);
+    return dot(v, momentum_) / 2;
+  }
+
   I integrator_;
   EnergyControlledOptions options_;
   Motion<T> start_;
+  Vector<T> momentum_;
   std::conditional_t<detail::has_memory<S>, detail::MemoryOf<decltype(S::terms)>, char> memory_{};
 };
 

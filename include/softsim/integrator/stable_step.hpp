@@ -50,7 +50,7 @@ template <HasSpectralRadius I>
       if (!(radius(Omega_max, k) <= 1 + rounding)) return k;
     return -1;
   };
-  constexpr double least = 1e-7, most = 1e6, ratio = 1.02;
+  constexpr double least = 1e-6, most = 1e6, ratio = 1.05;
   double low = 0, high = least;
   while (growing(high) < 0) {
     low = high;
