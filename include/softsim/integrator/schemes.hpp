@@ -107,7 +107,7 @@ struct Bdf2 {
   template <class T>
   void begin(double h, const Vector<T>& v_0, const SchemeHistory<T>& history, StepTerms<T>& terms) const {
     if (!history.valid) {
-      terms.drift.resize(0);
+      terms.drift.setZero(v_0.size());
       return Theta().begin(h, v_0, history, terms);
     }
     terms.mass = 2.25 / (h * h);
