@@ -193,7 +193,7 @@ TEST(StableStep, OfOneTetrahedron) {
 // At 0.98 of the stable step a motion stays bounded, at 1.02 it does not.
 TEST(StableStep, IsWhereRunsStartToGrow) {
   const TetrahedralMesh mesh = bodies::distorted_cube(2, 1);
-  const auto expect_edge = [&](System& system, auto make_one, int steps) {
+  const auto expect_edge = [&](System& system, auto make_one) {
     const double h = stable_step(system, State<double>(mesh.points().size()), make_one(1.0));
     ASSERT_GT(h, 0);
     ASSERT_LT(h, 1);
@@ -203,7 +203,7 @@ TEST(StableStep, IsWhereRunsStartToGrow) {
       system.prescribed.mask(motion.q.displacement);
       auto integrator = make_one(part * h);
       double largest = 0;
-      for (int k = 0; k < steps && largest < 1e3; ++k) {
+      for (int k = 0; k < 2000 && largest < 1e3; ++k) {
         ASSERT_EQ(integrator.step(system, motion).status, Status::converged);
         largest = std::max(largest, motion.q.displacement.cwiseAbs().maxCoeff());
       }
@@ -220,15 +220,12 @@ TEST(StableStep, IsWhereRunsStartToGrow) {
       if (!lumped) system.mass = Mass<double>::consistent(mesh, 1);
       system.prescribed.fix(softsim::nodes_near(mesh, softsim::Side::zmin, 0));
       system.damping = damping;
-      expect_edge(
-          system, [](double h) { return Euler({.dt = h}); }, 3000);
-      expect_edge(
-          system, [](double h) { return Verlet({.dt = h}); }, 3000);
-      expect_edge(
-          system, [](double h) { return make(ButcherTableau::rk4(), h); }, 3000);
-      if (damping.beta > 0 && lumped)  // it grows by some 1e-4 a step
-        expect_edge(
-            system, [](double h) { return make(ButcherTableau::explicit_euler(), h); }, 60000);
+      expect_edge(system, [](double h) { return Euler({.dt = h}); });
+      expect_edge(system, [](double h) { return Verlet({.dt = h}); });
+      expect_edge(system, [](double h) { return make(ButcherTableau::rk4(), h); });
+      if (damping.beta == 0) continue;
+      system.damping.beta = 0.02;  // of the order of its step: it then grows by some 1 % a step
+      expect_edge(system, [](double h) { return make(ButcherTableau::explicit_euler(), h); });
     }
 }
 
