@@ -27,6 +27,8 @@ lacks() {
     libgtest-dev) ! has_package GTest gtest ;;
     libbenchmark-dev) ! has_package benchmark benchmark ;;
     python3-matplotlib) ! has_matplotlib python3 && ! has_matplotlib /usr/bin/python3 ;;
+    libspectra-dev) [ ! -f /usr/include/Spectra/SymGEigsShiftSolver.h ] ;;
+    libsuitesparse-dev) [ ! -f /usr/include/suitesparse/cholmod.h ] ;;
     clang) ! command -v clang++ >/dev/null ;;
     libclang-rt-14-dev) # the sanitizers of clang
         ! command -v clang++ >/dev/null || [ ! -d "$(clang++ -print-resource-dir)/lib/linux" ] ;;
