@@ -167,7 +167,7 @@ struct Chebyshev {
         x = w.start;
         report.residual = start;
         return detail::ended(report, Status::not_converged,
-                             "Chebyshev: the iteration diverges, lambda_max is below the largest eigenvalue");
+                             "the iteration diverges: lambda_max is below the largest eigenvalue");
       }
       if (report.residual <= tolerance &&
           (report.residual = detail::true_residual(a, b, x, norm_b, w.r)) <= tolerance)
@@ -178,7 +178,7 @@ struct Chebyshev {
       x = w.start;
       report.residual = start;
       report = detail::ended(report, Status::not_converged,
-                             "Chebyshev: the iteration diverges, lambda_max is below the largest eigenvalue");
+                             "the iteration diverges: lambda_max is below the largest eigenvalue");
     }
     return report;
   }

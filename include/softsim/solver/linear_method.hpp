@@ -5,8 +5,22 @@
 #include <cmath>
 #include <string_view>
 
+#include "softsim/concepts.hpp"
 #include "softsim/core/state.hpp"
 #include "softsim/solver/report.hpp"
+
+namespace softsim {
+
+/// Solves A x = b with the help of a preconditioner, from the x given, and says how it went: an aggregate of
+/// options with a workspace, such as `ConjugateGradient`.
+template <class M, class A, class B, class T = double>
+concept LinearMethod = LinearOperator<A, T> && Preconditioner<B, T> &&
+    requires(const M& m, const A& a, const B& preconditioner, const Vector<T>& b, Vector<T>& x,
+             typename M::template Workspace<T>& w) {
+  {m.solve(a, preconditioner, b, x, w).status};
+};
+
+}  // namespace softsim
 
 // What the linear methods have in common.
 

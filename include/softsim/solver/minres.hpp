@@ -26,7 +26,7 @@ struct Minres {
   /// Work vectors; they grow at the first solve.
   template <class T>
   struct Workspace {
-    Vector<T> r, v, v_old, Az, z, Bv, w, w_old;
+    Vector<T> r, v, v_old, Az, z, Bv, w, w_old, start;
   };
 
   /// Solves A x = b from the x given. The residual of the report is measured at the end; where rounding has
@@ -38,20 +38,26 @@ struct Minres {
                                                                            Workspace<T>& w)
   const {
     LinearReport report;
-    double norm_b = 0;
+    double norm_b = 0, size = 0;
     if (detail::ends_at_once(*this, a, b, x, norm_b, w.r, report)) return report;
     w.Az.resize(b.size());
     w.Bv.resize(b.size());
     w.z.resize(b.size());
     while (true) {
       const double start = report.residual;
-      const End end = iterate(a, preconditioner, x, norm_b, w, report.iterations);
+      w.start = x;
+      const End end = iterate(a, preconditioner, x, norm_b, w, size, report.iterations);
       report = detail::measured(report, a, b, x, tolerance, norm_b, w.r, end.reason);
+      if (!(report.residual <= 1e8 * start)) {  // never in exact arithmetic
+        x = w.start;
+        report.residual = start;
+        return detail::ended(report, Status::not_converged, "MINRES: rounding errors have grown");
+      }
       if (end.not_finite) return detail::ended(report, Status::not_finite, end.reason);
       if (report.status != Status::not_converged || !end.reason.empty()) return report;
       if (fixed || !(report.residual <= 0.5 * start))
         return detail::ended(report, Status::not_converged,
-                             "MINRES: the residual falls no further, by rounding or for a singular operator");
+                             "MINRES: the residual falls no further: rounding, or a singular operator");
     }
   }
 
@@ -62,16 +68,17 @@ struct Minres {
   };
 
   // One Lanczos process from r = b - A x. Symbols as in Paige & Saunders: the tridiagonal matrix has delta on
-  // and gamma beside its diagonal; c and s are the rotations that make it triangular; |eta| = sqrt(r . B r).
+  // and gamma beside its diagonal, `size` is the largest of these; c and s are the rotations that make it
+  // triangular; |eta| = sqrt(r . B r).
   template <class A, class B, class T>
-  End iterate(const A& a, const B& preconditioner, Vector<T>& x, double norm_b, Workspace<T>& w,
+  End iterate(const A& a, const B& preconditioner, Vector<T>& x, double norm_b, Workspace<T>& w, double& size,
               int& iterations) const {
-    const double eps = 16 * static_cast<double>(std::numeric_limits<T>::epsilon());
+    const double eps = 16 * static_cast<double>(std::numeric_limits<T>::epsilon()), root = std::sqrt(eps);
     preconditioner.apply(w.r, w.z);
     const double rz = dot(w.r, w.z);
     if (!std::isfinite(rz)) return {"the preconditioner is not finite", true};
     if (!(rz > 0)) return {"the preconditioner is not positive definite"};
-    double gamma = std::sqrt(rz), eta = gamma, c = 1, c_old = 1, s = 0, s_old = 0, size = 0;
+    double gamma = std::sqrt(rz), eta = gamma, c = 1, c_old = 1, s = 0, s_old = 0;
     w.v = w.r / static_cast<T>(gamma);
     w.z /= static_cast<T>(gamma);
     w.v_old.setZero(x.size());
@@ -91,9 +98,11 @@ struct Minres {
       const double gamma_new = ends ? 0 : std::sqrt(square);
 
       const double pivot = c * delta - c_old * s * gamma, rho = std::hypot(pivot, gamma_new);
-      // |A r| in the norm of B: zero at a least-squares solution
-      if (std::hypot(pivot, c * gamma_new) <= eps * size)
-        return {"the operator is singular and the right-hand side not in its range"};
+      const double of_Ar = std::hypot(pivot, c * gamma_new);  // |A r| / |r|, in the norms of B
+      if (of_Ar <= eps * size) return {"the operator is singular and the right-hand side not in its range"};
+      // A least-squares solution, if rounding hides it; the next step would then leave it for anywhere. One
+      // has to look anew from here.
+      if (of_Ar <= root * size && rho <= 100 * root * size) return {};
       w.w_old = (w.z - static_cast<T>(s_old * gamma) * w.w_old -
                  static_cast<T>(s * delta + c_old * c * gamma) * w.w) /
                 static_cast<T>(rho);
