@@ -14,7 +14,7 @@
 
 #include "potential/bodies.hpp"
 #include "softsim/integrator/adaptive_runge_kutta.hpp"
-#include "softsim/integrator/backward_euler.hpp"
+#include "softsim/integrator/implicit.hpp"
 #include "softsim/integrator/runge_kutta.hpp"
 #include "softsim/integrator/semi_explicit_euler.hpp"
 #include "softsim/integrator/velocity_verlet.hpp"

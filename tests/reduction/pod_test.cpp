@@ -11,7 +11,7 @@
 #include "potential/bodies.hpp"
 #include "reduction/reduced_bodies.hpp"
 #include "softsim/concepts.hpp"
-#include "softsim/integrator/backward_euler.hpp"
+#include "softsim/integrator/implicit.hpp"
 #include "softsim/integrator/static_solver.hpp"
 #include "softsim/material/neo_hookean.hpp"
 #include "softsim/reduction/reduced_newton.hpp"

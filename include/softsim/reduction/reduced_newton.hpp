@@ -95,7 +95,11 @@ class ReducedNewton {
     if (!fits(system, motion.q, report)) return report;
     if constexpr (S::has_memory) system.begin_step(motion.q, motion.v, options_.dt);
     start_ = next_ = motion.q;
-    potential_.set_step(system, start_, motion.v, options_.dt);
+    const double h = options_.dt;
+    terms_.mass = 1 / (h * h);
+    terms_.damping = 1 / h;
+    terms_.inertia = motion.v / static_cast<T>(h);
+    potential_.set_step(system, start_, terms_);
     minimise(next_, report);
     if (report.status == Status::not_finite) return report;
     difference(start_, next_, x_);
@@ -238,6 +242,7 @@ class ReducedNewton {
   Eigen::MatrixXd basis_, H_;
   Eigen::LLT<Eigen::MatrixXd> factor_;
   IncrementalPotential<S> potential_;
+  StepTerms<T> terms_;
   typename Operator::template Tangent<S> tangent_;
   State<T> start_, next_, trial_;
   Vector<T> g_, x_, product_;
