@@ -196,6 +196,15 @@ Outcome simulate(const S& system, double size, int steps) {
   return {late < 0.5 * largest, steps * step, late / largest, deflection};
 }
 
+// The mesh scaled so that its longest extent is `length` in m, about that of a liver: files have units of
+// their own.
+TetrahedralMesh of_size(const TetrahedralMesh& mesh, double length) {
+  const BoundingBox box = bounding_box(mesh);
+  std::vector<Vec3<double>> points = mesh.points();
+  for (Vec3<double>& x : points) x *= length / (box.upper - box.lower).maxCoeff();
+  return {std::move(points), mesh.tetrahedra()};
+}
+
 class Sweep {
  public:
   Sweep(const Arguments& arguments, Promises& promises)
@@ -267,7 +276,8 @@ int main(int argc, char** argv) {
     promises.check(close >= 24, "the fit of Table 6.2");
 
     Sweep sweep(arguments, promises);
-    const TetrahedralMesh mesh = read_mesh(arguments.mesh.empty() ? SOFTSIM_ORGAN : arguments.mesh);
+    const TetrahedralMesh mesh =
+        of_size(read_mesh(arguments.mesh.empty() ? SOFTSIM_ORGAN : arguments.mesh), 0.2);
     const string name =
         arguments.mesh.empty() ? "organ" : std::filesystem::path(arguments.mesh).stem().string();
     std::printf("%s: %zu particles, %zu tetrahedra, %zu springs\n", name.c_str(), mesh.points().size(),
