@@ -66,6 +66,8 @@ def regions(rows):
         for r in of:
             for name, grid in grids.items():
                 grid[j[r["im"]], i[r["re"]]] = r[name]
+        for grid in grids.values():
+            grid[j[0.0], i[min(x, key=abs)]] = 1  # nothing happens in a step of no length
         # the border itself counts as stable; rounding must not decide
         axes.contourf(x, y, grids["measured"], [0, 1 + 1e-9], colors=[SKY], alpha=0.6)
         axes.contour(x, y, grids["predicted"], [0.25, 0.5, 0.75], colors="0.4", linewidths=0.5)
