@@ -164,7 +164,7 @@ def step_sizes(rows):
         of = [r for r in pick(rows, method=method, kind=kind) if r["error"] == r["error"] and r["error"] < 1.5]
         if kind == "linearised" or not of:
             continue
-        right.plot([r["wall_to_error"] for r in of], [r["error"] for r in of], styles[kind],
+        right.plot([r["seconds_to_error"] for r in of], [r["error"] for r in of], styles[kind],
                    marker="^" if kind == "explicit" else "o", ms=4, lw=1.2, color=colour[method], label=method)
     right.set(xscale="log", yscale="log", xlabel="time to 0.25 s of motion, s", ylabel="relative error at 0.25 s",
               title="Error against time (triangles explicit, circles Newton)")
