@@ -138,7 +138,7 @@ def largest_step(rows):
         right.plot([r["amplitude"] for r in of], [r["observed_over_predicted"] for r in of], "o-", ms=4, color=colour,
                    label=law.replace("_", " "))
     right.set(xlabel="random displacement of nodes, over cell size", ylim=(0, 1.1),
-              title="Finite motions, velocity Verlet")
+              title="Finite motions, velocity Verlet (0: below 0.5)")
     right.axhline(1, color="black", lw=0.8)
     right.legend()
     return figure
