@@ -142,6 +142,7 @@ double growth_of_long_run(Oscillator& body, I integrator, double Omega, double x
   for (int n = 0; n < steps; ++n) {
     if (integrator.step(body.system, motion).status == softsim::Status::not_finite) return HUGE_VAL;
     const double u = motion.q.displacement[Oscillator::component], v = motion.v[Oscillator::component];
+    if (u * u + v * v < 1e-250) return 0;  // nothing is left, or soon only rounding of the smallest numbers
     if (n >= quarter && n < 2 * quarter) early += u * u + v * v;
     if (n >= 3 * quarter) late += u * u + v * v;
   }

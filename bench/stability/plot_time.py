@@ -66,6 +66,8 @@ def regions(rows):
         for r in of:
             for name, grid in grids.items():
                 grid[j[r["im"]], i[r["re"]]] = r[name]
+        for grid in grids.values():
+            grid[j[0.0], i[min(x, key=abs)]] = 1  # nothing happens in a step of no length
         # the border itself counts as stable; rounding must not decide
         axes.contourf(x, y, grids["measured"], [0, 1 + 1e-9], colors=[SKY], alpha=0.6)
         axes.contour(x, y, grids["predicted"], [0.25, 0.5, 0.75], colors="0.4", linewidths=0.5)
@@ -136,7 +138,7 @@ def largest_step(rows):
         right.plot([r["amplitude"] for r in of], [r["observed_over_predicted"] for r in of], "o-", ms=4, color=colour,
                    label=law.replace("_", " "))
     right.set(xlabel="random displacement of nodes, over cell size", ylim=(0, 1.1),
-              title="Finite motions, velocity Verlet")
+              title="Finite motions, velocity Verlet (0: below 0.5)")
     right.axhline(1, color="black", lw=0.8)
     right.legend()
     return figure
@@ -162,7 +164,7 @@ def step_sizes(rows):
         of = [r for r in pick(rows, method=method, kind=kind) if r["error"] == r["error"] and r["error"] < 1.5]
         if kind == "linearised" or not of:
             continue
-        right.plot([r["wall_to_error"] for r in of], [r["error"] for r in of], styles[kind],
+        right.plot([r["seconds_to_error"] for r in of], [r["error"] for r in of], styles[kind],
                    marker="^" if kind == "explicit" else "o", ms=4, lw=1.2, color=colour[method], label=method)
     right.set(xscale="log", yscale="log", xlabel="time to 0.25 s of motion, s", ylabel="relative error at 0.25 s",
               title="Error against time (triangles explicit, circles Newton)")
