@@ -130,7 +130,7 @@ void over_poisson(RecoveryTable& table, bool short_form) {
       if (!chosen || law.discretisations.front() != Discretisation::elastic) continue;
       const Elasticity elastic = law.make(body.mesh, Discretisation::elastic);
       for (const bool guided : {false, true})
-        table.add({law.name, Discretisation::elastic, body, nu, guided}, guided && nu <= 0.45, Support::nodes,
+        table.add({law.name, Discretisation::elastic, body, nu, guided}, guided, Support::nodes,
                   Start::random, 0,
                   attempt(body, elastic, Support::nodes, Start::random, seeds, 0, guided ? &first : nullptr));
     }
@@ -238,9 +238,9 @@ void contrast(const std::filesystem::path& folder, bool short_form, Claims& clai
 }
 
 void extremes(const std::filesystem::path& folder, bool short_form, Claims& claims) {
-  Table table(
-      folder, "elements_extremes",
-      "law,kind,steps,arrived,reached_degrees,reached_stretch,inverted,newton,linear,back,rest,reason");
+  Table table(folder, "elements_extremes",
+              "law,kind,steps,arrived,reached_degrees,reached_stretch,inverted,newton,linear,back,inverted_"
+              "left,rest,reason");
   const Body body = bar(short_form ? 2 : 3);
   int safe = 0, all = 0;
   struct Kind {
@@ -249,9 +249,10 @@ void extremes(const std::filesystem::path& folder, bool short_form, Claims& clai
     std::vector<int> steps;
   };
   const std::vector<Kind> kinds{
-      {"twist", {720, 1}, short_form ? std::vector{16} : std::vector{4, 8, 16, 32, 64}},
-      {"stretch", {0, 10}, short_form ? std::vector{4} : std::vector{1, 4, 16}},
-      {"compression", {0, 0.05}, short_form ? std::vector{8} : std::vector{1, 8, 32}}};
+      {"one turn", {360, 1}, short_form ? std::vector{8} : std::vector{4, 8, 16}},
+      {"two turns", {720, 1}, short_form ? std::vector{16} : std::vector{8, 16, 32, 64}},
+      {"stretch", {0, 10}, short_form ? std::vector{16} : std::vector{1, 4, 16}},
+      {"compression", {0, 0.05}, short_form ? std::vector{32} : std::vector{1, 8, 32}}};
   for (const LawEntry& law : all_laws(0.3)) {
     if (law.discretisations.front() != Discretisation::elastic) continue;
     if (short_form && law.name.ends_with("projected")) continue;
@@ -260,18 +261,24 @@ void extremes(const std::filesystem::path& folder, bool short_form, Claims& clai
       for (const int steps : kind.steps) {
         const Excursion x = excursion(body, elastic, kind.to, steps);
         table.row(law.name, kind.name, steps, x.arrived, x.reached.degrees, x.reached.stretch, x.inverted,
-                  x.newton, x.linear, x.back, x.rest, x.reason);
+                  x.newton, x.linear, x.back, x.left, x.rest, x.reason);
         ++all;
         const bool there_and_back = x.arrived && x.back && x.rest < 1e-6;
         if (there_and_back) ++safe;
-        if (law.name == "neo-Hookean" || (law.name == "stable NH" && kind.name != "compression"))
+        // a law that is not defined for inverted elements cannot slip; a filtered tangent converges too
+        // slowly
+        const bool never_inverts = !law.everywhere && !law.name.ends_with("projected");
+        const bool small_steps = kind.name == "stretch"       ? steps >= 16
+                                 : kind.name == "compression" ? steps >= 32
+                                                              : kind.to.degrees / steps <= 45;
+        if (small_steps && never_inverts)
           claims.check(there_and_back && x.inverted == 0, law.name + ", " + kind.name + " in " +
                                                               std::to_string(steps) +
                                                               " steps: there and back, none inverted");
       }
   }
   std::printf(
-      "twist by 720 degrees, 10 x stretch, 0.05 x compression: there and back to rest in %d of %d cells.\n",
+      "one and two turns, 10 x stretch, 0.05 x compression: there and back to rest in %d of %d cells.\n",
       safe, all);
 }
 

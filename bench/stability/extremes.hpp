@@ -30,6 +30,7 @@ struct Excursion {
   bool arrived = false;  ///< that is the one asked for
   int inverted = 0;      ///< largest number of inverted elements on the way out
   int newton = 0, linear = 0;
+  int left = 0;        ///< inverted elements after the way back
   double rest = 0;     ///< largest displacement after the way back, over the bar's length
   bool back = false;   ///< every solve on the way back converged
   std::string reason;  ///< of the first solve that did not
@@ -78,6 +79,7 @@ inline Excursion excursion(const Body& body, const Elasticity& elastic, const Gr
   result.arrived = k == steps;
   result.back = true;
   while (k > 0 && result.back) result.back = solve(--k);
+  result.left = body.inverted(q);
   result.rest = q.displacement.cwiseAbs().maxCoeff() / 4;
   return result;
 }

@@ -194,7 +194,7 @@ def extremes(rows):
         r = found.get((name, *column))
         if r is None:
             return None
-        reached = f"{r['reached_degrees']:.0f}°" if column[0] == "twist" else f"×{r['reached_stretch']:.2g}"
+        reached = f"{r['reached_degrees']:.0f}°" if "turn" in column[0] else f"×{r['reached_stretch']:.2g}"
         if r["arrived"] and r["back"] and r["rest"] < 1e-6:
             return ("#8fd0b8", reached) if r["inverted"] == 0 else ("#d3e59b", f"{reached}, {r['inverted']:.0f} inv.")
         if r["arrived"]:
@@ -202,7 +202,7 @@ def extremes(rows):
         return "#c9c9c9", f"to {reached}"
 
     matrix(axes, names, columns, cell)
-    targets = {"twist": "720°", "stretch": "×10", "compression": "×0.05"}
+    targets = {"one turn": "360°", "two turns": "720°", "stretch": "×10", "compression": "×0.05"}
     axes.set_xticks([x + 0.5 for x in range(len(columns))],
                     [f"{targets[kind]}\nin {steps:.0f}" for kind, steps in columns])
     axes.xaxis.tick_top()
