@@ -121,8 +121,8 @@ def poisson(rows):
         for i, (law, colour, marker) in enumerate(laws):
             of = {r["nu"]: r for r in pick(rows, law=law, guided=guided, discretisation="elastic", start="random",
                                            body="cube")}
-            x = [nus.index(nu) + 0.05 * (i - 2.5) for nu in of]
-            axes.plot(x, [100 * r["recovered"] / r["runs"] for r in of.values()], marker + "-", color=colour, lw=1.1,
+            x = [nus.index(nu) + 0.05 * (i - 2.5) for nu in sorted(of)]
+            axes.plot(x, [100 * of[nu]["recovered"] / of[nu]["runs"] for nu in sorted(of)], marker + "-", color=colour, lw=1.1,
                       ms=5, label=law)
         axes.set_xticks(range(len(nus)), [f"{nu:g}" for nu in nus])
         axes.set(title=title, xlabel="Poisson's ratio", ylim=(-5, 105))
@@ -188,7 +188,7 @@ def extremes(rows):
     names = list(dict.fromkeys(r["law"] for r in rows))
     columns = list(dict.fromkeys((r["kind"], r["steps"]) for r in rows))
     found = {(r["law"], r["kind"], r["steps"]): r for r in rows}
-    figure, axes = plt.subplots(figsize=(10, 0.27 * len(names) + 1.7))
+    figure, axes = plt.subplots(figsize=(12.5, 0.27 * len(names) + 1.7))
 
     def cell(name, column):
         r = found.get((name, *column))
@@ -196,9 +196,9 @@ def extremes(rows):
             return None
         reached = f"{r['reached_degrees']:.0f}°" if "turn" in column[0] else f"×{r['reached_stretch']:.2g}"
         if r["arrived"] and r["back"] and r["rest"] < 1e-6:
-            return ("#8fd0b8", reached) if r["inverted"] == 0 else ("#d3e59b", f"{reached}, {r['inverted']:.0f} inv.")
+            return ("#8fd0b8", reached) if r["inverted"] == 0 else ("#d3e59b", f"{r['inverted']:.0f} inv.")
         if r["arrived"]:
-            return "#f3c38a", f"{reached}, not back"
+            return "#f3c38a", "not back"
         return "#c9c9c9", f"to {reached}"
 
     matrix(axes, names, columns, cell)

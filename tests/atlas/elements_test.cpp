@@ -163,6 +163,8 @@ TEST(ElementsAtlas, TwoTurnsTenfoldStretchAndBack) {
   expect_return("neo-Hookean", elastic, {0, 10}, 4);
   expect_return("neo-Hookean", elastic, {0, 0.05}, 8);
   expect_return("stable NH", tetrahedra(b.mesh, stable), {0, 10}, 4);
+  expect_return("stable NH", tetrahedra(b.mesh, stable), {360, 1}, 8);
+  expect_return("corotational", tetrahedra(b.mesh, corotational), {360, 1}, 8);
 }
 
 }  // namespace elements_atlas_test
