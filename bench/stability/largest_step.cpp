@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "program.hpp"
 #include "softsim/integrator/runge_kutta.hpp"
 #include "softsim/integrator/semi_explicit_euler.hpp"
 #include "softsim/integrator/velocity_verlet.hpp"
@@ -20,7 +21,6 @@
 #include "softsim/potential/elastic.hpp"
 #include "softsim/potential/spring.hpp"
 #include "softsim/solver/element_eigenvalue_bound.hpp"
-#include "time_program.hpp"
 
 // The largest step with which a small random perturbation stays bounded, against `stable_step`, the element
 // bound and the shortest height over the wave speed; and what finite amplitudes make of it.
@@ -28,7 +28,7 @@
 namespace {
 
 using namespace softsim;
-using namespace time_atlas;
+using namespace atlas;
 using std::string;
 
 constexpr double E = 1e4, nu = 0.4, rho = 1000;  // Pa, 1, kg/m^3
@@ -42,18 +42,18 @@ struct Case {
 
 class Steps {
  public:
-  Steps(const Arguments& arguments, Promises& promises)
+  Steps(const Arguments& arguments, Claims& claims)
       : arguments_(arguments),
-        promises_(promises),
-        csv_(table(arguments, "largest_step",
-                   "tetrahedra,law,mass,damping,amplitude,integrator,predicted,observed_over_predicted,"
-                   "element_over_predicted,height_over_predicted")) {}
+        claims_(claims),
+        csv_(arguments, "largest_step",
+             "tetrahedra,law,mass,damping,amplitude,integrator,predicted,observed_over_predicted,"
+             "element_over_predicted,height_over_predicted") {}
 
   template <class S>
   void run(const TetrahedralMesh& mesh, S system, const Case& c) {
     const State<double> rest(mesh.points().size());
     const EigenvalueReport found = largest_eigenvalue(system, rest);
-    if (found.status != Status::converged) return promises_.check(false, "no largest eigenvalue");
+    if (found.status != Status::converged) return claims_.check(false, "no largest eigenvalue");
     const double omega = found.omega();
     const double height = shortest_height(mesh);
     if (c.damping_name == "alpha" || c.damping_name == "both") system.damping.alpha = omega / 4;
@@ -65,14 +65,14 @@ class Steps {
         system.mass.is_lumped() ? omega / std::sqrt(element_eigenvalue_bound(system, rest)) : NAN;
     const double heights = height / speed / (2 / omega);
     if (system.mass.is_lumped() && c.promised)
-      promises_.check(element <= 1 + 1e-6, c.law + ": the element bound is not one");
+      claims_.check(element <= 1 + 1e-6, c.law + ": the element bound is not one");
     const auto check = [&](const string& name, auto integrator) {
       const double predicted = stable_step(system, rest, integrator);
       if (!(predicted > 0) || !(predicted < 1e300))
-        return promises_.check(false, c.law + ", " + name + ": no stable step predicted");
+        return claims_.check(false, c.law + ", " + name + ": no stable step predicted");
       const int steps = damped ? 4000 : 1500;
       const double ratio = observed_over_predicted(system, integrator, predicted, omega, c.amplitude / c.n,
-                                                   steps, arguments_.is_short ? 0.02 : 0.005);
+                                                   steps, arguments_.short_form ? 0.02 : 0.005);
       csv_ << mesh.tetrahedra().size() << ',' << c.law << ',' << c.mass << ',' << c.damping_name << ','
            << c.amplitude << ',' << name << ',' << predicted << ',' << ratio << ',' << element << ','
            << heights << '\n';
@@ -81,8 +81,8 @@ class Steps {
                   mesh.tetrahedra().size(), c.law.c_str(), c.mass.c_str(), c.damping_name.c_str(),
                   c.amplitude, name.c_str(), predicted, ratio);
       if (c.promised)
-        promises_.check(ratio >= 0.9 && ratio <= 1.1,
-                        c.law + ", " + c.damping_name + ", " + name + ": observed over predicted step");
+        claims_.check(ratio >= 0.9 && ratio <= 1.1,
+                      c.law + ", " + c.damping_name + ", " + name + ": observed over predicted step");
     };
     std::printf("%6zu %-18s element bound gives %.3f, shortest height over wave speed %.3f of 2/omega\n",
                 mesh.tetrahedra().size(), c.law.c_str(), element, heights);
@@ -90,7 +90,7 @@ class Steps {
     check("velocity Verlet", VelocityVerlet<S>({.dt = 1}));
     if (!c.promised) return;
     check("RK4", RungeKutta<S>({.dt = 1}));
-    if (arguments_.is_short && c.damping_name == "none") return;
+    if (arguments_.short_form && c.damping_name == "none") return;
     check("RK3 Kutta", RungeKutta<S>({.dt = 1, .tableau = ButcherTableau::kutta3()}));
     if (!damped) return;
     // Without beta damping the lowest and the highest frequencies leave little room, which shows only after
@@ -101,8 +101,8 @@ class Steps {
 
  private:
   const Arguments& arguments_;
-  Promises& promises_;
-  std::ofstream csv_;
+  Claims& claims_;
+  Table csv_;
 };
 
 template <class Term>
@@ -116,19 +116,19 @@ System<Term> body(const TetrahedralMesh& mesh, Term term, bool lumped) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return time_atlas::run(argc, argv, [](const Arguments& arguments, Promises& promises) {
-    Steps steps(arguments, promises);
+  return atlas::run(argc, argv, [](const Arguments& arguments, Claims& claims) {
+    Steps steps(arguments, claims);
     const auto cube = [](int n) { return box_mesh({n, n, n}, {1, 1, 1}); };
-    const int n = arguments.is_short ? 3 : 6;
+    const int n = arguments.short_form ? 3 : 6;
     const TetrahedralMesh mesh = cube(n);
     const auto law = [&](const string& name, const auto& material) {
       for (const string damping : {"none", "alpha", "beta", "both"}) {
-        if (arguments.is_short && damping != "none" && !(name == "neo_hookean" && damping == "both"))
+        if (arguments.short_form && damping != "none" && !(name == "neo_hookean" && damping == "both"))
           continue;
         steps.run(mesh, body(mesh, elastic(mesh, material), true), {n, name, "lumped", damping});
       }
       for (const double amplitude : {0.02, 0.05, 0.1, 0.2, 0.3}) {
-        if (arguments.is_short && amplitude != 0.1) continue;
+        if (arguments.short_form && amplitude != 0.1) continue;
         steps.run(mesh, body(mesh, elastic(mesh, material), true),
                   {n, name, "lumped", "none", false, amplitude});
       }
@@ -140,7 +140,7 @@ int main(int argc, char** argv) {
     steps.run(mesh, body(mesh, van_gelder_springs(mesh, E), true), {n, "springs", "lumped", "none"});
     steps.run(mesh, body(mesh, elastic(mesh, NeoHookean::from_young_poisson(E, nu)), false),
               {n, "neo_hookean", "consistent", "none"});
-    if (arguments.is_short) return;
+    if (arguments.short_form) return;
     for (const int larger : {12, 26}) {  // 10,368 and 105,456 tetrahedra
       const TetrahedralMesh fine = cube(larger);
       steps.run(fine, body(fine, elastic(fine, NeoHookean::from_young_poisson(E, nu)), true),

@@ -16,7 +16,7 @@
 #include "softsim/system/system.hpp"
 
 /// The largest stable step of a body as it is observed.
-namespace time_atlas {
+namespace atlas {
 
 /// A motion at rest but for displacements of up to `amplitude` m along each axis.
 template <class S>
@@ -84,4 +84,4 @@ inline double shortest_height(const softsim::TetrahedralMesh& mesh) {
   return shortest;
 }
 
-}  // namespace time_atlas
+}  // namespace atlas

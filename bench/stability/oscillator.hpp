@@ -25,7 +25,7 @@
 #include "softsim/system/system.hpp"
 
 /// A body of one free component, and what one step of an integrator does to it.
-namespace time_atlas {
+namespace atlas {
 
 using LinearSystem = softsim::System<softsim::ElasticTetrahedra<softsim::LinearElastic>>;
 
@@ -260,4 +260,4 @@ Contraction contraction(const ContractiveBody& body, I integrator, int pairs) {
   return worst;
 }
 
-}  // namespace time_atlas
+}  // namespace atlas

@@ -9,14 +9,14 @@
 #include <type_traits>
 
 #include "oscillator.hpp"
-#include "time_program.hpp"
+#include "program.hpp"
 
 // Stability regions: how much a damped oscillator grows in one step of every integrator, by its stability
 // function and as it is simulated, over the plane of z = h lambda; and the rows of d'Aulignac's Table 3.3.
 
 namespace {
 
-using namespace time_atlas;
+using namespace atlas;
 using std::string;
 
 struct Largest {
@@ -42,12 +42,12 @@ int order_of(Oscillator& body, const I& integrator) {
   return static_cast<int>(std::lround(slope)) - 1;
 }
 
-void check_regions(const Arguments& arguments, Promises& promises) {
-  std::ofstream csv = table(arguments, "regions", "method,kind,re,im,predicted,measured");
-  std::ofstream summary = table(arguments, "regions_summary",
-                                "method,points,largest_difference,at_re,at_im,largest_off_double_roots,"
-                                "real_pair_difference,left_half_plane,at_minus_1e6,order");
-  const double spacing = arguments.is_short ? 0.25 : 0.05;
+void check_regions(const Arguments& arguments, Claims& claims) {
+  Table csv(arguments, "regions", "method,kind,re,im,predicted,measured");
+  Table summary(arguments, "regions_summary",
+                "method,points,largest_difference,at_re,at_im,largest_off_double_roots,"
+                "real_pair_difference,left_half_plane,at_minus_1e6,order");
+  const double spacing = arguments.short_form ? 0.25 : 0.05;
   Oscillator body;
   std::puts("method                 points  max diff   off double  real pairs   sup left   z=-1e6  order");
   for_each_integrator<LinearSystem>([&](const string& name, auto integrator, bool is_explicit) {
@@ -97,21 +97,21 @@ void check_regions(const Arguments& arguments, Promises& promises) {
     summary << name << ',' << pairs.count << ',' << pairs.difference << ',' << pairs.at_re << ','
             << pairs.at_im << ',' << plain.difference << ',' << real.difference << ',' << supremum << ','
             << far << ',' << order << '\n';
-    promises.check(plain.difference < 1e-8, name + ": growth differs from prediction off double roots");
-    promises.check(pairs.difference < 1e-4, name + ": growth differs from prediction");
-    promises.check(real.difference < 1e-6, name + ": growth of real pairs differs from prediction");
-    promises.check(is_explicit || std::abs(far - far_predicted) < 1e-3 * std::max(1.0, far_predicted),
-                   name + ": growth at z = -1e6 differs from prediction");
+    claims.check(plain.difference < 1e-8, name + ": growth differs from prediction off double roots");
+    claims.check(pairs.difference < 1e-4, name + ": growth differs from prediction");
+    claims.check(real.difference < 1e-6, name + ": growth of real pairs differs from prediction");
+    claims.check(is_explicit || std::abs(far - far_predicted) < 1e-3 * std::max(1.0, far_predicted),
+                 name + ": growth at z = -1e6 differs from prediction");
   });
 }
 
 // A motion of any length is stable where the prediction is a percent below 1, and grows a percent above it.
-void check_long_runs(const Arguments& arguments, Promises& promises) {
-  std::ofstream csv = table(arguments, "regions_long_runs", "method,xi,Omega,predicted,grown");
+void check_long_runs(const Arguments& arguments, Claims& claims) {
+  Table csv(arguments, "regions_long_runs", "method,xi,Omega,predicted,grown");
   Oscillator body;
   int right = 0, all = 0;
   for_each_integrator<LinearSystem>([&](const string& name, auto integrator, bool is_explicit) {
-    const int steps = arguments.is_short ? 400 : 4000;
+    const int steps = arguments.short_form ? 400 : 4000;
     for (const double xi : {0.0, 0.05, 0.3, 0.8})
       for (int i = 1; i <= 24; ++i) {
         const double Omega = (is_explicit ? 0.15 : 1.5) * i;
@@ -124,15 +124,15 @@ void check_long_runs(const Arguments& arguments, Promises& promises) {
       }
   });
   std::printf("long runs: %d of %d grow or decay as predicted\n", right, all);
-  promises.check(right == all, "a long run grows or decays against the prediction");
+  claims.check(right == all, "a long run grows or decays against the prediction");
 }
 
-void check_contraction(const Arguments& arguments, Promises& promises) {
+void check_contraction(const Arguments& arguments, Claims& claims) {
   using namespace softsim;
   using S = ContractiveBody::S;
-  std::ofstream csv = table(arguments, "b_stability", "method,pairs,largest_growth,step,u_a,w_a,u_b,w_b");
+  Table csv(arguments, "b_stability", "method,pairs,largest_growth,step,u_a,w_a,u_b,w_b");
   const ContractiveBody body;
-  const int pairs = arguments.is_short ? 2000 : 100000;
+  const int pairs = arguments.short_form ? 2000 : 100000;
   const auto check = [&](const string& name, auto integrator, bool contractive) {
     const Contraction worst = contraction(body, integrator, pairs);
     csv << name << ',' << pairs << ',' << worst.growth << ',' << worst.step << ',' << worst.a.u << ','
@@ -140,8 +140,8 @@ void check_contraction(const Arguments& arguments, Promises& promises) {
     std::printf("distance of two motions, %-28s at most x %.6f in a step (h = %.3g s)\n", name.c_str(),
                 worst.growth, worst.step);
     // pairs are at least 1e-6 apart, steps exact to 1e-13
-    if (contractive) promises.check(worst.growth <= 1 + 1e-6, name + " is not contractive");
-    if (!contractive) promises.check(worst.growth > 1.001, name + " was seen to be contractive");
+    if (contractive) claims.check(worst.growth <= 1 + 1e-6, name + " is not contractive");
+    if (!contractive) claims.check(worst.growth > 1.001, name + " was seen to be contractive");
   };
   const auto options = [](auto scheme, bool newton) {
     return ImplicitOptions<decltype(scheme)>{.dt = 1, .scheme = scheme, .newton = newton, .tolerance = 1e-13};
@@ -158,9 +158,9 @@ void check_contraction(const Arguments& arguments, Promises& promises) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return run(argc, argv, [](const Arguments& arguments, Promises& promises) {
-    check_regions(arguments, promises);
-    check_long_runs(arguments, promises);
-    check_contraction(arguments, promises);
+  return run(argc, argv, [](const Arguments& arguments, Claims& claims) {
+    check_regions(arguments, claims);
+    check_long_runs(arguments, claims);
+    check_contraction(arguments, claims);
   });
 }

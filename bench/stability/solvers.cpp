@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "atlas.hpp"
+#include "program.hpp"
 #include "softsim/softsim.hpp"
 #include "softsim/solver/direct.hpp"
 #include "softsim/solver/gauss_seidel.hpp"
@@ -71,12 +71,11 @@ struct Case {
   }
 };
 
-bool solvers(const atlas::Call& call) {
-  auto csv =
-      call.table("solvers", "problem,solver,tetrahedra,unknowns,iterations,setup_ms,solve_ms,converged");
-  bool holds = true;
+void solvers(const atlas::Arguments& arguments, atlas::Claims& claims) {
+  atlas::Table csv(arguments, "solvers",
+                   "problem,solver,tetrahedra,unknowns,iterations,setup_ms,solve_ms,converged");
   const std::vector<int> cells =
-      call.short_form ? std::vector<int>{4, 6, 9} : std::vector<int>{6, 9, 15, 24, 32, 46, 69};
+      arguments.short_form ? std::vector<int>{4, 6, 9} : std::vector<int>{6, 9, 15, 24, 32, 46, 69};
   for (const bool dynamic : {false, true}) {
     std::vector<Result> multigrid;
     for (const int n : cells) {
@@ -86,7 +85,7 @@ bool solvers(const atlas::Call& call) {
         csv << (dynamic ? "dynamic," : "static,") << name << ',' << 6 * n * n * n << ',' << r.unknowns << ','
             << r.iterations << ',' << 1e3 * r.setup << ',' << 1e3 * r.solve << ',' << r.converged
             << std::endl;
-        holds = holds && r.converged;
+        claims.check(r.converged, std::string(name) + " converges");
       };
       const ConjugateGradient cg{.tolerance = 1e-6};
       const auto with = [&](const char* name, auto preconditioner) {
@@ -127,11 +126,10 @@ bool solvers(const atlas::Call& call) {
     std::printf("multigrid, %s: %d iterations at %.0f unknowns, %d at %.0f (%.2f times); time ~ n^%.2f\n",
                 dynamic ? "dynamic" : "static", few.iterations, few.unknowns, many.iterations, many.unknowns,
                 growth, exponent);
-    holds = holds && growth < 1.5;
+    claims.check(growth < 1.5, "multigrid needs less than 1.5 times the iterations from 1e4 to 3e5 unknowns");
   }
-  return holds;
 }
 
 }  // namespace
 
-int main(int argc, char** argv) { return atlas::run(argc, argv, "solvers", solvers); }
+int main(int argc, char** argv) { return atlas::run(argc, argv, solvers); }

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "program.hpp"
 #include "softsim/integrator/energy_momentum.hpp"
 #include "softsim/integrator/implicit.hpp"
 #include "softsim/integrator/runge_kutta.hpp"
@@ -22,7 +23,6 @@
 #include "softsim/mesh/selection.hpp"
 #include "softsim/potential/elastic.hpp"
 #include "softsim/system/system.hpp"
-#include "time_program.hpp"
 
 // What every integrator makes of a stiff bar at steps from far below to far above what resolves its motion:
 // whether it converges, its energy, error and time; orders of accuracy; and drift over very many steps.
@@ -30,7 +30,7 @@
 namespace {
 
 using namespace softsim;
-using namespace time_atlas;
+using namespace atlas;
 using std::string;
 using S = System<ElasticTetrahedra<NeoHookean>>;
 
@@ -128,18 +128,17 @@ void for_each_method(double tolerance, Function f) {
   f("energy-momentum", converged, EnergyMomentum<S>({.dt = 1, .tolerance = tolerance}), 2);
 }
 
-void sweep_steps(const Arguments& arguments, Promises& promises) {
-  std::ofstream csv =
-      table(arguments, "step_sizes",
+void sweep_steps(const Arguments& arguments, Claims& claims) {
+  Table csv(arguments, "step_sizes",
             "method,kind,step,steps,simulated,outcome,not_converged,energy_ratio,largest_energy_ratio,error,"
             "seconds_to_error,linear_iterations_a_step");
-  const Bar bar({arguments.is_short ? 5 : 10, 1, 1}, 0.1, 1e6, 0.4, 1000, 1);
-  const Motion<double> exact = reference(bar, arguments.is_short ? 512 : 1024);
+  const Bar bar({arguments.short_form ? 5 : 10, 1, 1}, 0.1, 1e6, 0.4, 1000, 1);
+  const Motion<double> exact = reference(bar, arguments.short_form ? 512 : 1024);
   const double at_rest_limit =
       stable_step(bar.system, State<double>(bar.system.rest().size()), SemiExplicitEuler<S>({.dt = 1}));
   std::printf("bar: largest stable step of semi-explicit Euler %.3g s\n", at_rest_limit);
-  const int cap = arguments.is_short ? 64 : 2048;
-  const int finest = arguments.is_short ? 9 : 14;  // steps of 0.25 s/2^finest: 15 us
+  const int cap = arguments.short_form ? 64 : 2048;
+  const int finest = arguments.short_form ? 9 : 14;  // steps of 0.25 s/2^finest: 15 us
   for_each_method(1e-7, [&](const string& name, Kind kind, auto integrator, int) {
     string outcomes;
     for (int k = -2; k <= finest; ++k) {
@@ -177,14 +176,14 @@ void sweep_steps(const Arguments& arguments, Promises& promises) {
           << bad << ',' << energy << ',' << largest << ',' << wrong << ',' << spent << ','
           << static_cast<double>(iterations) / n << '\n';
       if (name == "backward Euler" && kind == converged && bad == 0)
-        promises.check(largest <= 1 + 1e-5, name + ": the energy grew");
+        claims.check(largest <= 1 + 1e-5, name + ": the energy grew");
       // a step that fails says so; nothing that says it converged may blow up
       if (kind == converged && name != "trapezoidal" && name.find("Newmark") == string::npos &&
           name.find("HHT") == string::npos && name.find("alpha") == string::npos)
-        promises.check(!diverged || bad > 0, name + ": diverged though every step converged");
+        claims.check(!diverged || bad > 0, name + ": diverged though every step converged");
       if (kind == explicit_method && name != "explicit Euler" && name.find("RK2") == string::npos &&
           h < 0.5 * at_rest_limit)
-        promises.check(!diverged, name + ": diverged at half of its stable step");
+        claims.check(!diverged, name + ": diverged at half of its stable step");
     }
     std::printf(
         "%-22s %-10s steps from 1 s down by halves: %s   (. converged, ? not converged, x diverged)\n",
@@ -192,8 +191,8 @@ void sweep_steps(const Arguments& arguments, Promises& promises) {
   });
 }
 
-void check_orders(const Arguments& arguments, Promises& promises) {
-  std::ofstream csv = table(arguments, "orders", "method,kind,steps,error,finer_error,order,theory");
+void check_orders(const Arguments& arguments, Claims& claims) {
+  Table csv(arguments, "orders", "method,kind,steps,error,finer_error,order,theory");
   const Bar bar({4, 1, 1}, 0.3, 150, 0.3, 10, 0.5);
   const Motion<double> exact = reference(bar, 640);
   for_each_method(1e-10, [&](const string& name, Kind kind, auto integrator, int order) {
@@ -205,19 +204,19 @@ void check_orders(const Arguments& arguments, Promises& promises) {
         << ',' << order << '\n';
     std::printf("%-22s %-10s error %.2e in %d steps, order %.3f\n", name.c_str(), kind_names[kind], coarse,
                 steps, seen);
-    promises.check(std::abs(seen - order) < 0.1, name + ' ' + kind_names[kind] + ": order of accuracy");
+    claims.check(std::abs(seen - order) < 0.1, name + ' ' + kind_names[kind] + ": order of accuracy");
   });
 }
 
 // Energy and momenta of a free body that spins and vibrates.
-void check_drift(const Arguments& arguments, Promises& promises) {
-  std::ofstream csv = table(arguments, "drift", "method,step,steps,energy,momentum,angular_momentum");
+void check_drift(const Arguments& arguments, Claims& claims) {
+  Table csv(arguments, "drift", "method,step,steps,energy,momentum,angular_momentum");
   const TetrahedralMesh mesh = box_mesh({1, 1, 1}, {0.1, 0.1, 0.1});
   S system(mesh, elastic(mesh, NeoHookean::from_young_poisson(1e4, 0.3)));
   system.mass = Mass<double>::lumped(mesh, 1000);
   const State<double> rest(mesh.points().size());
   const double limit = stable_step(system, rest, VelocityVerlet<S>({.dt = 1}));
-  const int steps = arguments.is_short ? 1000 : 1000000;
+  const int steps = arguments.short_form ? 1000 : 1000000;
   struct Sums {
     double energy;
     Vec3<double> momentum, angular;
@@ -267,8 +266,8 @@ void check_drift(const Arguments& arguments, Promises& promises) {
     std::printf(
         "%-34s %7d steps of %.2g s: energy within %.1e, momenta within %.1e, %d steps not converged\n",
         name.c_str(), steps, h, worst_energy, worst_momenta, bad);
-    promises.check(worst_energy < energy_band, name + ": energy");
-    promises.check(worst_momenta < momenta, name + ": momenta");
+    claims.check(worst_energy < energy_band, name + ": energy");
+    claims.check(worst_momenta < momenta, name + ": momenta");
   };
   const double h = 0.2 * limit, large = 2 * limit;
   run("semi-explicit Euler", SemiExplicitEuler<S>({.dt = 1}), h, 0.2, 1e-14 * steps);
@@ -283,9 +282,9 @@ void check_drift(const Arguments& arguments, Promises& promises) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return time_atlas::run(argc, argv, [](const Arguments& arguments, Promises& promises) {
-    check_orders(arguments, promises);
-    check_drift(arguments, promises);
-    sweep_steps(arguments, promises);
+  return atlas::run(argc, argv, [](const Arguments& arguments, Claims& claims) {
+    check_orders(arguments, claims);
+    check_drift(arguments, claims);
+    sweep_steps(arguments, claims);
   });
 }

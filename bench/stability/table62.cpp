@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "program.hpp"
 #include "softsim/integrator/runge_kutta.hpp"
 #include "softsim/io/read_mesh.hpp"
 #include "softsim/material/neo_hookean.hpp"
@@ -21,7 +22,6 @@
 #include "softsim/potential/elastic.hpp"
 #include "softsim/potential/spring.hpp"
 #include "softsim/solver/largest_eigenvalue.hpp"
-#include "time_program.hpp"
 
 // d'Aulignac 2001, Table 6.2: explicit Euler at 280 Hz on a liver of springs and dampers. Predicted: the
 // largest |1 + z| of both roots with K = 7.9 k_lin, D = 7.95 d and M = 5 g, which reproduces most of the
@@ -31,7 +31,7 @@
 namespace {
 
 using namespace softsim;
-using namespace time_atlas;
+using namespace atlas;
 using std::string;
 
 constexpr double particle_mass = 5e-3, step = 1.0 / 280;  // kg, s
@@ -207,13 +207,13 @@ TetrahedralMesh of_size(const TetrahedralMesh& mesh, double length) {
 
 class Sweep {
  public:
-  Sweep(const Arguments& arguments, Promises& promises)
+  Sweep(const Arguments& arguments, Claims& claims)
       : arguments_(arguments),
-        promises_(promises),
-        csv_(table(arguments, "table62",
-                   "mesh,model,gravity,matched,case,k_lin,d,K,D,growth_slow,growth_fast,predicted,printed,"
-                   "thesis_stable,K_eigenvalue,predicted_by_eigenvalue,simulated_stable,survived,late_speed,"
-                   "deflection")) {}
+        claims_(claims),
+        csv_(arguments, "table62",
+             "mesh,model,gravity,matched,case,k_lin,d,K,D,growth_slow,growth_fast,predicted,printed,"
+             "thesis_stable,K_eigenvalue,predicted_by_eigenvalue,simulated_stable,survived,late_speed,"
+             "deflection") {}
 
   // make(k, damper over stiffness, gravity): a system of stiffness proportional to k, with D = ratio K
   template <class Make>
@@ -223,10 +223,10 @@ class Sweep {
     const Stiffest unit = stiffest(make(1.0, 0.0, 0.0));
     std::printf("%s %s: largest eigenvalue over largest diagonal entry %.3f\n", mesh_name.c_str(),
                 model.c_str(), unit.eigenvalue / unit.diagonal);
-    const int steps = arguments_.is_short ? 2800 : 11200;
+    const int steps = arguments_.short_form ? 2800 : 11200;
     for (const double g : {9.81, 9.81e-4})
       for (const bool by_diagonal : {true, false}) {
-        if (arguments_.is_short && (by_diagonal || (g > 1 && model != "springs"))) continue;
+        if (arguments_.short_form && (by_diagonal || (g > 1 && model != "springs"))) continue;
         int with_prediction = 0, with_eigenvalue = 0, with_thesis = 0;
         for (const Row& row : rows) {
           const double K = 7.9 * row.k * 1e3, D = 7.95 * row.d * 1e3;
@@ -252,20 +252,20 @@ class Sweep {
             with_eigenvalue, with_thesis);
         // under a small load all is linear, and the largest eigenvalue decides
         if (g < 1)
-          promises_.check(with_eigenvalue == 29, model + ": the simulation contradicts the linear theory");
+          claims_.check(with_eigenvalue == 29, model + ": the simulation contradicts the linear theory");
       }
   }
 
  private:
   const Arguments& arguments_;
-  Promises& promises_;
-  std::ofstream csv_;
+  Claims& claims_;
+  Table csv_;
 };
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  return time_atlas::run(argc, argv, [](const Arguments& arguments, Promises& promises) {
+  return atlas::run(argc, argv, [](const Arguments& arguments, Claims& claims) {
     // The fit reproduces the printed values, but for the rows the fast root of which was printed.
     int close = 0;
     for (const Row& row : rows) {
@@ -273,9 +273,9 @@ int main(int argc, char** argv) {
       close += std::min(std::abs(slow - row.printed), std::abs(fast - row.printed)) < 0.025;
     }
     std::printf("printed values that one of the two roots meets within 0.025: %d of 29\n", close);
-    promises.check(close >= 24, "the fit of Table 6.2");
+    claims.check(close >= 24, "the fit of Table 6.2");
 
-    Sweep sweep(arguments, promises);
+    Sweep sweep(arguments, claims);
     const TetrahedralMesh mesh =
         of_size(read_mesh(arguments.mesh.empty() ? SOFTSIM_ORGAN : arguments.mesh), 0.2);
     const string name =

@@ -12,27 +12,27 @@
 #include "softsim/material/neo_hookean.hpp"
 #include "softsim/mesh/selection.hpp"
 
-// What the stability atlas promises about time steps, in small.
+// What the stability atlas claims about time steps, in small.
 
 namespace time_steps_test {
 
 using namespace softsim;
-using time_atlas::Oscillator, time_atlas::ContractiveBody;
+using atlas::Oscillator, atlas::ContractiveBody;
 
 // The step of every integrator is the one that its spectral radius speaks of, everywhere in the left half
 // plane.
 TEST(TimeSteps, GrowAsTheirStabilityFunctionsSay) {
   Oscillator body;
   int points = 0;
-  time_atlas::for_each_integrator<time_atlas::LinearSystem>([&](const std::string& name, auto integrator,
-                                                                bool is_explicit) {
+  atlas::for_each_integrator<atlas::LinearSystem>([&](const std::string& name, auto integrator,
+                                                      bool is_explicit) {
     for (int i = 0; i < 8; ++i)
       for (int j = 1; j < 8; ++j) {
         const std::complex<double> z = (is_explicit ? 1.0 : 4.0) * std::complex<double>(-0.53 * i, 0.55 * j);
         const double Omega = std::abs(z), xi = -z.real() / Omega;
         const double predicted = integrator.spectral_radius(Omega, xi);
         // 1e-8 off double roots, beside which an error e of the matrix is one of sqrt(e)
-        EXPECT_NEAR(time_atlas::measured_growth(body, integrator, Omega, xi), predicted,
+        EXPECT_NEAR(atlas::measured_growth(body, integrator, Omega, xi), predicted,
                     1e-6 * std::max(1.0, predicted))
             << name << " at " << z;
         ++points;
@@ -45,7 +45,7 @@ TEST(TimeSteps, GrowAsTheirStabilityFunctionsSay) {
 // is gone in a step.
 TEST(TimeSteps, AreAStableAndLStableAsPromised) {
   Oscillator body;
-  time_atlas::for_each_integrator<time_atlas::LinearSystem>(
+  atlas::for_each_integrator<atlas::LinearSystem>(
       [&](const std::string& name, auto integrator, bool is_explicit) {
         double most = 0;
         for (int i = 0; i <= 32; ++i)
@@ -54,7 +54,7 @@ TEST(TimeSteps, AreAStableAndLStableAsPromised) {
         const bool a_stable = !is_explicit && name != "theta 0.4";
         EXPECT_EQ(most <= 1 + 1e-12, a_stable) << name << ' ' << most;
         if (is_explicit) return;
-        const double far = time_atlas::measured_growth(body, integrator, 1e6, 1);
+        const double far = atlas::measured_growth(body, integrator, 1e6, 1);
         const bool l_stable = name == "backward Euler" || name == "BDF2" || name == "generalised-alpha 0";
         EXPECT_EQ(far < 0.01, l_stable) << name << ' ' << far;
       });
@@ -68,7 +68,7 @@ TEST(TimeSteps, KeepTwoMotionsTogetherWhereTheForceDoes) {
   const auto worst = [&](auto scheme, bool newton) {
     Implicit<decltype(scheme), S> integrator(
         {.dt = 1, .scheme = scheme, .newton = newton, .tolerance = 1e-13});
-    return time_atlas::contraction(body, integrator, 1000).growth;
+    return atlas::contraction(body, integrator, 1000).growth;
   };
   EXPECT_LE(worst(Theta(), true), 1 + 1e-6);
   EXPECT_LE(worst(Theta{0.7}, true), 1 + 1e-6);
@@ -89,8 +89,8 @@ TEST(TimeSteps, AreStableUpToTheStableStep) {
   const auto check = [&](const std::string& name, auto integrator) {
     const double h = stable_step(system, rest, integrator);
     ASSERT_GT(h, 0) << name;
-    EXPECT_TRUE(time_atlas::stays_bounded(system, integrator, 0.95 * h, omega, 1e-9, 1500)) << name;
-    EXPECT_FALSE(time_atlas::stays_bounded(system, integrator, 1.05 * h, omega, 1e-9, 1500)) << name;
+    EXPECT_TRUE(atlas::stays_bounded(system, integrator, 0.95 * h, omega, 1e-9, 1500)) << name;
+    EXPECT_FALSE(atlas::stays_bounded(system, integrator, 1.05 * h, omega, 1e-9, 1500)) << name;
   };
   for (const bool damped : {false, true}) {
     if (damped) system.damping = {omega / 4, 0.4 / omega};

@@ -158,6 +158,16 @@ TEST(Projected, NotFiniteStaysNotFinite) {
   }
 }
 
+// The eigenvalues of twists are minus infinity there; what they are replaced by must not be NaN.
+TEST(Projected, CorotationalTangentOfAPointIsFinite) {
+  const auto law = projected(Corotational::from_young_poisson(10, 0.3));
+  Random random(53);
+  const Matrix F = Matrix::Zero(), dF = random.matrix();
+  const Matrix dP = law.first_piola_differential(F, dF);
+  EXPECT_TRUE(dP.allFinite());
+  EXPECT_GE((dP.array() * dF.array()).sum(), 0);
+}
+
 // Double batches go through the elements in tests/potential.
 TEST(Projected, BatchesInSinglePrecisionAgreeWithDouble) {
   using B = Batch<float, 8>;

@@ -134,6 +134,35 @@ TEST(Newton, FindsRestFromADeformedStateWithoutLoad) {
   EXPECT_LT(q.displacement.norm(), 1e-4 * d.norm());
 }
 
+// The reference of the residual is rounding itself where a solve starts in equilibrium.
+TEST(Newton, IsDoneWhereForcesAreRoundingFromTheStart) {
+  const auto mesh = softsim::box_mesh({3, 3, 3}, {1, 1, 1});
+  const auto law = softsim::StableNeoHookean::from_young_poisson(1, 0.3);
+  softsim::System system(mesh, softsim::elastic(mesh, law));
+  system.prescribed.fix({0});
+  for (const auto& [node, axis] : {std::pair{3, 1}, std::pair{3, 2}, std::pair{12, 2}})
+    system.prescribed.set(node, axis, 0);
+  for (const bool collapsed : {true, false}) {
+    // all points in one, a minimum of this energy, and the rest shape but for rounding
+    State<double> q(mesh.points().size());
+    const Vector<double> noise = bodies::random_vector(mesh.points().size(), 1e-16, 1);
+    for (std::size_t i = 0; i < mesh.points().size(); ++i)
+      if (collapsed) q.point(static_cast<std::ptrdiff_t>(i)) = -mesh.points()[i];
+    q.displacement += noise;
+    system.prescribed.mask(q.displacement);
+    const StepReport report =
+        StaticSolver<decltype(system)>({.tolerance = 1e-9, .verify_minimum = true}).solve(system, q);
+    EXPECT_EQ(report.status, Status::converged) << report.reason;
+    EXPECT_LT(report.newton_iterations, 20);
+  }
+}
+
+TEST(Newton, VerifiesAStartWithoutForces) {
+  const Beam beam(0);
+  State<double> q = beam.rest();
+  EXPECT_EQ(Solver({.verify_minimum = true}).solve(beam.system, q).status, Status::converged);
+}
+
 // Full steps would turn tetrahedra inside out, where the law has no value; the line search steps back.
 TEST(Newton, LineSearchKeepsTheLawDefined) {
   for (const double g : {30.0, 100.0, 300.0, 1000.0}) {

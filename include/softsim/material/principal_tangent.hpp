@@ -81,9 +81,13 @@ struct PrincipalTangent {
     // What has to be added to an eigenvalue. NaN stays NaN: the comparison fails and the sum keeps it.
     const T factor = filter == SpdFilter::clamp ? T(-1) : T(-2);
     const auto correction = [&factor](const T& x) { return select(x < T(0), T(factor * x), T(0)); };
+    // Not by a sum: an eigenvalue of minus infinity (`Corotational` at F = 0) would become NaN.
+    const auto replaced = [&filter](const T& x) {
+      return select(x < T(0), filter == SpdFilter::clamp ? T(0) : T(-x), x);
+    };
     for (int k = 0; k < 3; ++k) {
-      result.flip[k] += correction(flip[k]);
-      result.twist[k] += correction(twist[k]);
+      result.flip[k] = replaced(flip[k]);
+      result.twist[k] = replaced(twist[k]);
     }
     // Positive definite if all leading minors are positive (Sylvester); `min` keeps a NaN of its first.
     const T minor = stretch(0, 0) * stretch(1, 1) - stretch(0, 1) * stretch(0, 1);

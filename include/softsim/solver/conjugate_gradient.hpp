@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "softsim/concepts.hpp"
+#include "softsim/solver/linear_method.hpp"
 #include "softsim/solver/report.hpp"
 
 namespace softsim {
@@ -22,39 +23,36 @@ struct ConjugateGradient {
     Vector<T> r, z, p, Ap;
   };
 
-  /// Solves A x = b from the x given. Ends early, with the x reached so far and `indefinite` set, at a
-  /// direction p with p . A p <= 0: x is then still a descent direction of x . A x / 2 - b . x.
+  /// Solves A x = b from the x given. The residual of the report is the recurrence's, measured if `fixed`.
+  /// Ends early, with the x reached so far and `indefinite` set, at a direction p with p . A p <= 0: x is
+  /// then still a descent direction of x . A x / 2 - b . x.
   template <class T, class A, class B>
   requires LinearOperator<A, T> && Preconditioner<B, T> LinearReport solve(const A& a,
                                                                            const B& preconditioner,
                                                                            const Vector<T>& b, Vector<T>& x,
                                                                            Workspace<T>& w)
   const {
+    constexpr std::string_view ran_out = "conjugate gradients: too many iterations";
     LinearReport report;
-    w.r.resize(b.size());
+    double norm_b = 0;
+    if (detail::ends_at_once(*this, a, b, x, norm_b, w.r, report)) return report;
     w.z.resize(b.size());
     w.p.resize(b.size());
     w.Ap.resize(b.size());
-    const double norm_b = norm(b);
-    if (!std::isfinite(norm_b))
-      return detail::ended(report, Status::not_finite, "the right-hand side is not finite");
-    if (norm_b == 0) {
-      x.setZero();
-      return detail::ended(report, Status::converged, "");
-    }
-    a.apply(x, w.Ap);
-    w.r = b - w.Ap;
     double rz = 0;
     for (;; ++report.iterations) {
-      report.residual = norm(w.r) / norm_b;
-      if (!std::isfinite(report.residual))
-        return detail::ended(report, Status::not_finite, "the residual is not finite");
-      if (report.residual <= (fixed ? 0 : tolerance)) return detail::ended(report, Status::converged, "");
+      if (!fixed) {
+        report.residual = norm(w.r) / norm_b;
+        if (!std::isfinite(report.residual))
+          return detail::ended(report, Status::not_finite, "the residual is not finite");
+        if (report.residual <= tolerance) return detail::ended(report, Status::converged, "");
+      }
       if (report.iterations == max_iterations)
-        return detail::ended(report, report.residual <= tolerance ? Status::converged : Status::not_converged,
-                             "conjugate gradients: too many iterations");
+        return fixed ? detail::measured(report, a, b, x, tolerance, norm_b, w.r, ran_out)
+                     : detail::ended(report, Status::not_converged, ran_out);
       preconditioner.apply(w.r, w.z);
       const double rz_new = dot(w.r, w.z);
+      if (fixed && rz_new == 0) return detail::measured(report, a, b, x, tolerance, norm_b, w.r, ran_out);
       if (report.iterations == 0) {
         w.p = w.z;
       } else {

@@ -21,7 +21,9 @@ namespace softsim {
 template <class Method>
 struct NewtonOptionsFor {
   int max_iterations = 200;
-  double tolerance = 1e-6;  ///< on |residual| over the norm that the problem's gradient returns
+  /// On |residual| over the norm that the problem's gradient returns. As good are a full step below the
+  /// rounding of the state, and several below that of the body's positions: forces do not get any smaller.
+  double tolerance = 1e-6;
   Method linear =
       {};  ///< its tolerance is replaced by a forcing term in every iteration, unless it is `fixed`
   int max_halvings = 30;    ///< of a step, in the line search
@@ -37,9 +39,10 @@ using NewtonOptions = NewtonOptionsFor<ConjugateGradient>;
 /// Newton's method: finds where the gradient of a problem (see `IncrementalPotential`) vanishes, by a linear
 /// method with a preconditioner and a backtracking line search. The linear systems are solved only as far as
 /// the residual warrants (inexact Newton); a direction of negative curvature ends a linear solve and leaves a
-/// descent direction. Prescribed components that are not in place yet move with the linearised system, so
-/// that a large prescribed displacement does not crush the elements next to it. Holds its work vectors: after
-/// the first solve of a system nothing is allocated.
+/// descent direction. Where the line search finds no decrease, it is tried once more along the preconditioned
+/// gradient. Prescribed components that are not in place yet move with the linearised system, so that a large
+/// prescribed displacement does not crush the elements next to it. Holds its work vectors: after the first
+/// solve of a system nothing is allocated.
 ///
 /// Problem: `conservative`, `system()`, `value(q)` in J if conservative, `gradient(q, g)`, which returns the
 /// norm that residuals are measured against, `increment(q, d)`, what prescribed components still have to
@@ -77,6 +80,8 @@ class Newton {
     using detail::ended;
     StepReport report;
     double reference = problem.gradient(q, g_);
+    const double rounding = rounding_of_body(problem.system());
+    int tiny = 0;
     for (;; ++report.newton_iterations) {
       const double pending = prepare(problem, q);
       const double residual = norm(r_);
@@ -104,16 +109,25 @@ class Newton {
       report.linear_iterations += solved.iterations;
       if (solved.status == Status::not_finite)
         return ended(report, Status::not_finite, "the linear solve is not finite");
-      if (solved.iterations == 0 && solved.status == Status::not_converged) preconditioner.apply(b_, x_);
+      const bool along_gradient = solved.iterations == 0 && solved.status == Status::not_converged;
+      if (along_gradient) preconditioner.apply(b_, x_);
+      const bool full = pending == 0 && solved.status == Status::converged;
+      if (full && norm(x_) <= rounding) ++tiny;
+      if ((full && below_rounding(q)) || tiny == most_tiny_steps)
+        return options.verify_minimum ? verified(problem, q, report) : ended(report, Status::converged, "");
       if (pending > 0) x_ += delta_;
       if (options.relaxation != 1) x_ *= static_cast<T>(options.relaxation);
 
-      if (!(options.line_search ? line_search(problem, q, residual, pending > 0, reference)
-                                : full_step(problem, q, reference)))
-        return options.line_search
-                   ? ended(report, Status::not_converged, "Newton: the line search found no decrease")
-                   : ended(report, Status::not_finite,
-                           "Newton: the residual after a full step is not finite");
+      if (!options.line_search) {
+        if (full_step(problem, q, reference)) continue;
+        return ended(report, Status::not_finite, "Newton: the residual after a full step is not finite");
+      }
+      if (line_search(problem, q, residual, pending > 0, reference)) continue;
+      // A tangent that is singular gives directions without bound; its preconditioner is definite.
+      if (pending == 0 && !along_gradient && search_along_gradient(problem, q, residual, reference)) continue;
+      if (tiny > 0)
+        return options.verify_minimum ? verified(problem, q, report) : ended(report, Status::converged, "");
+      return ended(report, Status::not_converged, "Newton: the line search found no decrease");
     }
   }
 
@@ -174,7 +188,7 @@ class Newton {
   template <class Problem>
   StepReport verified(const Problem& problem, const State<T>& q, const StepReport& report) {
     linearise(problem, q);
-    b_.resize(q.size());
+    b_.resize(q.size());  // nothing has been solved if q was stationary from the start
     for (std::ptrdiff_t k = 0; k < b_.size(); ++k)
       b_[k] = static_cast<T>(std::sin(1.0 + static_cast<double>(k) * static_cast<double>(k)));
     problem.system().prescribed.mask(b_);
@@ -195,6 +209,36 @@ class Newton {
     if (!std::isfinite(norm(trial_gradient_))) return false;
     take_trial(q, there, reference);
     return true;
+  }
+
+  // Full steps below the rounding of the body's positions; tiny loads need two or three to be exact.
+  static constexpr int most_tiny_steps = 6;
+
+  // True if the step x_ changes nothing in q but its rounding.
+  bool below_rounding(const State<T>& q) const {
+    return norm(x_) <= 4 * static_cast<double>(std::numeric_limits<T>::epsilon()) * norm(q.displacement);
+  }
+
+  // Norm of the rounding of all positions of the body, m.
+  template <class System>
+  static double rounding_of_body(const System& system) {
+    Vec3<double> low = Vec3<double>::Zero(), high = low;
+    if (!system.rest().empty()) low = high = system.rest().front();
+    for (const Vec3<double>& X : system.rest()) {
+      low = low.cwiseMin(X);
+      high = high.cwiseMax(X);
+    }
+    return 4 * static_cast<double>(std::numeric_limits<T>::epsilon()) * (high - low).norm() *
+           std::sqrt(static_cast<double>(system.rest().size()));
+  }
+
+  template <class Problem>
+  bool search_along_gradient(const Problem& problem, State<T>& q, double residual, double& reference) {
+    r_ = g_;
+    problem.system().prescribed.mask(r_);
+    b_ = -r_;
+    preconditioner.apply(b_, x_);
+    return line_search(problem, q, residual, false, reference);
   }
 
   void take_trial(State<T>& q, double there, double& reference) {
