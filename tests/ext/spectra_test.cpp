@@ -27,7 +27,7 @@ void expect_those_of_dense_solver(const reduced_bodies::System& system, std::ptr
   const LinearReport report =
       softsim::lowest_modes(system, State<double>(system.rest().size()), count, modes);
   ASSERT_EQ(report.status, Status::converged) << report.reason;
-  EXPECT_LT(report.residual, 1e-9);  // the shift of 1e-8 costs eight of sixteen digits
+  EXPECT_LT(report.residual, 1e-8);  // the shift of 1e-8 costs eight of sixteen digits
   EXPECT_LT(softsim::orthonormality_error(system.mass, modes), 1e-8);
   Eigen::VectorXd lambda;
   Eigen::MatrixXd x;

@@ -311,7 +311,7 @@ TEST(GaussSeidel, IsSymmetricAndPositiveDefiniteAsAPreconditioner) {
       g.omega = omega;
       g.coloured = coloured;
       g.compute(problem.A, problem.system.prescribed.free());
-      for (int k = 0; k < 5; ++k) {
+      for (std::uint64_t k = 0; k < 5; ++k) {
         Vector<double> x = bodies::random_vector(problem.mesh.points().size(), 1, 10 + 2 * k),
                        y = bodies::random_vector(problem.mesh.points().size(), 1, 11 + 2 * k), Bx(x.size()),
                        By(x.size());

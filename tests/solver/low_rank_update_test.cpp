@@ -56,6 +56,16 @@ struct Cube {
   }
 };
 
+TEST(LowRankUpdate, OfNothingIsTheUnchangedMatrix) {
+  const Cube cube;
+  const Vector<double> b = random_matrix(cube.K.rows(), 1, 1);
+  LowRankUpdate<> update;
+  EXPECT_EQ(update.set_coefficients(Matrix(0, 0)).status, Status::converged);
+  Vector<double> x;
+  ASSERT_EQ(update.solve(cube.factor, b, x).status, Status::converged);
+  EXPECT_LT(relative_error(Vector<double>(cube.K * x), b), 1e-12);
+}
+
 TEST(LowRankUpdate, IsTheSolveWithTheChangedMatrix) {
   const Cube cube;
   const std::ptrdiff_t n = cube.free.size();

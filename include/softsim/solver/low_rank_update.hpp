@@ -150,6 +150,10 @@ class LowRankUpdate {
   }
 
   LinearReport factorise() {
+    if (rank() == 0) {
+      regular_ = true;
+      return detail::ended(LinearReport{}, Status::converged, "");
+    }
     const std::ptrdiff_t k = rank();
     // Cancellation, 1 - 1, has to be told from a small number: a row counts by what is added up in it.
     scale_ = (Matrix(C_.cwiseAbs() * S_.cwiseAbs()).rowwise().maxCoeff().array() + T(1)).inverse();
