@@ -54,7 +54,7 @@ inline Excursion excursion(const Body& body, const Elasticity& elastic, const Gr
   const std::vector<std::int32_t> end = softsim::nodes_near(body, softsim::Side::zmax, 1e-9);
   Excursion result;
   State<double> q = body.rest();
-  Solver solver({.max_iterations = 200, .tolerance = 1e-9});
+  Solver solver({.max_iterations = 400, .tolerance = 1e-9});
   const auto at = [&](int k) {
     const double part = static_cast<double>(k) / steps;
     return Grip{part * to.degrees, std::pow(to.stretch, part)};

@@ -31,7 +31,7 @@ struct Recovery {
 
 /// Options of every attempt: far below the default tolerance, because forces of a tangled start are large.
 inline softsim::NewtonOptions recovery_options(int max_iterations = 400) {
-  return {.max_iterations = max_iterations, .tolerance = 1e-9, .verify_minimum = true};
+  return {.max_iterations = max_iterations, .tolerance = 1e-12, .verify_minimum = true};
 }
 
 /// Solves without a load from a deformed start. `first`, if given, is an energy that is minimised before and

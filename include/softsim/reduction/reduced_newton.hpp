@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -111,6 +112,9 @@ class ReducedNewton {
   }
 
  private:
+  // of an eigenvalue of the reduced tangent to the largest
+  static constexpr double smallest_ratio = 1e-10;
+
   void check(const S& system, const Eigen::MatrixXd& basis) const {
     if (!(options_.tolerance > 0))
       invalid(std::string("tolerance ") + to_text(options_.tolerance) + ": must be positive");
@@ -163,7 +167,7 @@ class ReducedNewton {
       if (residual <= options_.tolerance * reference) return end(report, Status::converged, "");
       if (report.newton_iterations == options_.max_iterations)
         return end(report, Status::not_converged, "reduced Newton: too many iterations");
-      if (!direction(q)) return end(report, Status::not_finite, "the reduced tangent is not finite");
+      if (!direction(q)) return end(report, Status::not_finite, "the reduced tangent is not finite or zero");
       if (!line_search(q, residual, reference, full))
         return end(report, Status::not_converged, "reduced Newton: the line search found no decrease");
     }
@@ -174,7 +178,8 @@ class ReducedNewton {
     report.reason = reason;
   }
 
-  // a_ = -H^-1 r with H = Phi^T K Phi, raised by a multiple of the identity until it is positive definite.
+  // a_ = -H^-1 r with H = Phi^T K Phi. Where H is not safely positive definite its eigenvalues are replaced
+  // by their absolute values: a raised diagonal can come to lie next to a singular matrix.
   bool direction(const State<T>& q) {
     potential_.linearise(q, tangent_);
     H_.resize(basis_.cols(), basis_.cols());
@@ -186,18 +191,21 @@ class ReducedNewton {
       H_.col(j).noalias() = basis_.transpose() * wide_;
     }
     if (!H_.allFinite()) return false;
-    const double scale = H_.diagonal().cwiseAbs().maxCoeff();
-    double raised = 0;
-    for (int k = 0; k < 20; ++k) {
-      factor_.compute(H_);
-      if (factor_.info() == Eigen::Success) break;
-      const double next = raised == 0 ? 1e-6 * scale : 10 * raised;
-      H_.diagonal().array() += next - raised;
-      raised = next;
+    factor_.compute(H_);
+    if (factor_.info() == Eigen::Success && factor_.rcond() > smallest_ratio)
+      a_ = factor_.solve(-r_);
+    else {
+      eigen_.compute(H_);
+      if (eigen_.info() != Eigen::Success) return false;
+      const Eigen::ArrayXd lambda = eigen_.eigenvalues().cwiseAbs();
+      const double largest = lambda.maxCoeff();
+      if (!(largest > 0)) return false;
+      a_ = -(eigen_.eigenvectors() *
+             ((eigen_.eigenvectors().transpose() * r_).array() / lambda.max(smallest_ratio * largest))
+                 .matrix());
     }
-    a_ = factor_.solve(-r_);
     x_ = (basis_ * a_).template cast<T>();
-    return factor_.info() == Eigen::Success && a_.allFinite();
+    return a_.allFinite();
   }
 
   // Moves q along x_ and leaves the residual there in r_. False if no decrease was found; q is unchanged
@@ -241,6 +249,7 @@ class ReducedNewton {
   std::uint64_t number_;
   Eigen::MatrixXd basis_, H_;
   Eigen::LLT<Eigen::MatrixXd> factor_;
+  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen_;
   IncrementalPotential<S> potential_;
   StepTerms<T> terms_;
   typename Operator::template Tangent<S> tangent_;

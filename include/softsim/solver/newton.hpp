@@ -39,8 +39,8 @@ using NewtonOptions = NewtonOptionsFor<ConjugateGradient>;
 /// Newton's method: finds where the gradient of a problem (see `IncrementalPotential`) vanishes, by a linear
 /// method with a preconditioner and a backtracking line search. The linear systems are solved only as far as
 /// the residual warrants (inexact Newton); a direction of negative curvature ends a linear solve and leaves a
-/// descent direction. Where the line search finds no decrease, it is tried once more along the preconditioned
-/// gradient. Prescribed components that are not in place yet move with the linearised system, so that a large
+/// descent direction. Where the line search finds no decrease, it is tried along the preconditioned gradient
+/// and then along the gradient itself. Prescribed components that are not in place yet move with the linearised system, so that a large
 /// prescribed displacement does not crush the elements next to it. Holds its work vectors: after the first
 /// solve of a system nothing is allocated.
 ///
@@ -80,7 +80,8 @@ class Newton {
     using detail::ended;
     StepReport report;
     double reference = problem.gradient(q, g_);
-    const double rounding = rounding_of_body(problem.system());
+    const double rounding =
+        4 * static_cast<double>(std::numeric_limits<T>::epsilon()) * length_of_body(problem.system());
     int tiny = 0;
     for (;; ++report.newton_iterations) {
       const double pending = prepare(problem, q);
@@ -123,8 +124,11 @@ class Newton {
         return ended(report, Status::not_finite, "Newton: the residual after a full step is not finite");
       }
       if (line_search(problem, q, residual, pending > 0, reference)) continue;
-      // A tangent that is singular gives directions without bound; its preconditioner is definite.
-      if (pending == 0 && !along_gradient && search_along_gradient(problem, q, residual, reference)) continue;
+      // A tangent that is singular gives directions without bound; its preconditioner is definite, and the
+      // gradient itself does not depend on either.
+      if (pending == 0 && !along_gradient && search_along_gradient(problem, q, residual, reference, true))
+        continue;
+      if (pending == 0 && search_along_gradient(problem, q, residual, reference, false)) continue;
       if (tiny > 0)
         return options.verify_minimum ? verified(problem, q, report) : ended(report, Status::converged, "");
       return ended(report, Status::not_converged, "Newton: the line search found no decrease");
@@ -219,25 +223,29 @@ class Newton {
     return norm(x_) <= 4 * static_cast<double>(std::numeric_limits<T>::epsilon()) * norm(q.displacement);
   }
 
-  // Norm of the rounding of all positions of the body, m.
+  // Norm of a displacement of every node by the diagonal of the body's bounding box, m.
   template <class System>
-  static double rounding_of_body(const System& system) {
+  static double length_of_body(const System& system) {
     Vec3<double> low = Vec3<double>::Zero(), high = low;
     if (!system.rest().empty()) low = high = system.rest().front();
     for (const Vec3<double>& X : system.rest()) {
       low = low.cwiseMin(X);
       high = high.cwiseMax(X);
     }
-    return 4 * static_cast<double>(std::numeric_limits<T>::epsilon()) * (high - low).norm() *
-           std::sqrt(static_cast<double>(system.rest().size()));
+    return (high - low).norm() * std::sqrt(static_cast<double>(system.rest().size()));
   }
 
+  // Along the gradient, preconditioned or as it is, from steps as long as the body down.
   template <class Problem>
-  bool search_along_gradient(const Problem& problem, State<T>& q, double residual, double& reference) {
+  bool search_along_gradient(const Problem& problem, State<T>& q, double residual, double& reference,
+                             bool preconditioned) {
     r_ = g_;
     problem.system().prescribed.mask(r_);
     b_ = -r_;
-    preconditioner.apply(b_, x_);
+    if (preconditioned)
+      preconditioner.apply(b_, x_);
+    else
+      x_ = static_cast<T>(length_of_body(problem.system()) / residual) * b_;
     return line_search(problem, q, residual, false, reference);
   }
 
