@@ -32,6 +32,7 @@ class AnyTerm {
 
   [[nodiscard]] std::size_t size() const { return term_ ? term_->size() : 0; }
   [[nodiscard]] double energy(const State<double>& q) const { return term_ ? term_->energy(q) : 0; }
+  [[nodiscard]] std::size_t inverted(const State<double>& q) const { return term_ ? term_->inverted(q) : 0; }
   void add_gradient(const State<double>& q, Vector<double>& y) const {
     if (term_) term_->add_gradient(q, y);
   }
@@ -51,6 +52,7 @@ class AnyTerm {
     virtual ~Interface() = default;
     virtual std::size_t size() const = 0;
     virtual double energy(const State<double>& q) const = 0;
+    virtual std::size_t inverted(const State<double>& q) const = 0;
     virtual void add_gradient(const State<double>& q, Vector<double>& y) const = 0;
     virtual void add_hessian_product(const State<double>& q, const Vector<double>& d,
                                      Vector<double>& y) const = 0;
@@ -63,6 +65,12 @@ class AnyTerm {
     explicit Model(Term t) : term(std::move(t)) {}
     std::size_t size() const override { return term.size(); }
     double energy(const State<double>& q) const override { return term.energy(q); }
+    std::size_t inverted(const State<double>& q) const override {
+      if constexpr (requires { term.inverted(q); })
+        return term.inverted(q);
+      else
+        return 0;
+    }
     void add_gradient(const State<double>& q, Vector<double>& y) const override { term.add_gradient(q, y); }
     void add_hessian_product(const State<double>& q, const Vector<double>& d,
                              Vector<double>& y) const override {

@@ -51,7 +51,7 @@ class RecoveryTable {
       : table_(
             arguments, "elements_recovery",
             "law,discretisation,body,nu,guided,support,start,noise,runs,recovered,newton_median,newton_max,"
-            "linear_median,elsewhere,saddle,not_converged,not_finite,energy_left,inverted_left,reason"),
+            "linear_median,elsewhere,inside_out,saddle,not_converged,not_finite,energy_left,inverted_left,reason"),
         claims_(claims) {}
 
   struct Case {
@@ -65,7 +65,7 @@ class RecoveryTable {
     table_.row(c.law, to_string(c.discretisation), c.body.name, c.nu, c.guided, to_string(support),
                to_string(start), noise, t.runs, t.recovered, Tally::median(t.newton),
                *std::max_element(t.newton.begin(), t.newton.end()), Tally::median(t.linear), t.elsewhere,
-               t.saddle, t.not_converged, t.not_finite, t.energy, t.inverted, t.reason());
+               t.inside_out, t.saddle, t.not_converged, t.not_finite, t.energy, t.inverted, t.reason());
     ++cells_;
     if (t.recovered == t.runs) ++safe_;
     if (promised)

@@ -68,7 +68,8 @@ def outcome(row):
     """Colour and text of one cell of the recovery table."""
     if row["recovered"] == row["runs"]:
         return "#8fd0b8", f"{row['newton_median']:.0f}"
-    kinds = {"elsewhere": ("#f3c38a", "other"), "saddle": ("#d9b3e6", "saddle"),
+    kinds = {"elsewhere": ("#f3c38a", "other"), "inside_out": ("#f2a490", "inverted"),
+             "saddle": ("#d9b3e6", "saddle"),
              "not_converged": ("#c9c9c9", "no conv."), "not_finite": ("#e8e8e8", "refused")}
     worst = max(kinds, key=lambda k: row[k])
     colour, text = kinds[worst]

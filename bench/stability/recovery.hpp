@@ -59,7 +59,7 @@ inline Recovery recover(const Body& body, const Elasticity& elastic, Support sup
 
 /// What became of several attempts.
 struct Tally {
-  int runs = 0, recovered = 0, elsewhere = 0, saddle = 0, not_converged = 0, not_finite = 0;
+  int runs = 0, recovered = 0, elsewhere = 0, inside_out = 0, saddle = 0, not_converged = 0, not_finite = 0;
   double energy = 0;  ///< largest that was left by a failure, J
   int inverted = 0;   ///< largest number of inverted points left
   std::vector<int> newton, linear;
@@ -80,6 +80,9 @@ struct Tally {
         ++elsewhere;
         ++reasons["another equilibrium"];
         return;
+      case softsim::Status::inverted:
+        ++inside_out;
+        break;
       case softsim::Status::stationary_not_minimum:
         ++saddle;
         break;

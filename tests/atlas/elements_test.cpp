@@ -113,7 +113,7 @@ TEST(ElementsAtlas, ACorotationalSolveUntanglesForAnyLaw) {
   }
   const Tally alone =
       attempt(body(), tetrahedra(body().mesh, Continued<NeoHookean>(law)), Support::nodes, Start::random, 3);
-  EXPECT_EQ(alone.elsewhere, alone.runs);
+  EXPECT_EQ(alone.inside_out, alone.runs);
 }
 
 TEST(ElementsAtlas, SliversCostIterationsButNoAnswer) {

@@ -13,7 +13,8 @@ namespace softsim {
 
 /// How a solve or a step ended. Anything but `converged` leaves the last finite state in place.
 /// `stationary_not_minimum`: forces are in equilibrium, but there is a direction in which the energy falls.
-enum class Status { converged, not_converged, not_finite, stationary_not_minimum };
+/// `inverted`: forces are in equilibrium, but elements are turned inside out, which no body can do.
+enum class Status { converged, not_converged, not_finite, stationary_not_minimum, inverted };
 
 /// The name of the status.
 [[nodiscard]] constexpr std::string_view to_string(Status status) {
@@ -24,6 +25,8 @@ enum class Status { converged, not_converged, not_finite, stationary_not_minimum
       return "not_converged";
     case Status::not_finite:
       return "not_finite";
+    case Status::inverted:
+      return "inverted";
     default:
       return "stationary_not_minimum";
   }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "softsim/core/batch.hpp"
 #include "softsim/core/state.hpp"
 #include "softsim/integrator/acceleration.hpp"
 #include "softsim/integrator/stability.hpp"
@@ -52,8 +53,9 @@ class SemiExplicitEuler {
     if constexpr (S::has_memory) system.begin_step(motion.q, motion.v, 0);
     const T h = static_cast<T>(options_.dt);
     report.status = Status::converged;
+    bool finite = true;
     if (system.mass.is_lumped()) {
-      kick(system, motion, h);
+      finite = kick_and_drift(system, motion, h);
     } else {
       // Prescribed components first: they reach their target at the end of the step, and their acceleration
       // is known.
@@ -61,11 +63,11 @@ class SemiExplicitEuler {
       acceleration_.start(system, motion.v, p_, h, v_, held_);
       detail::take_in(acceleration_(system, motion.q, motion.v, held_, a_), report);
       v_ += h * a_;
+      next_ = motion.q;
+      retract(next_, v_, h);
+      finite = report.status != Status::not_finite && std::isfinite(norm(next_.displacement));
     }
-    next_ = motion.q;
-    retract(next_, v_, h);
-    if (report.status == Status::not_finite || !std::isfinite(norm(v_)) ||
-        !std::isfinite(norm(next_.displacement)))
+    if (!finite)
       return detail::ended(report, Status::not_finite, detail::too_large);
     motion.q.displacement.swap(next_.displacement);
     motion.v.swap(v_);
@@ -75,20 +77,27 @@ class SemiExplicitEuler {
   }
 
  private:
-  // v_1 with a lumped mass, in one pass after the forces: the vectors together take as long as half a force.
-  void kick(const S& system, const Motion<T>& motion, T h) {
+  // v_1 and q_1 with a lumped mass, in one pass after the forces: the vectors together take as long as a
+  // quarter of a force. False if q_1 is not finite.
+  bool kick_and_drift(const S& system, const Motion<T>& motion, T h) {
     a_.setZero(system.size());
     system.add_gradient(motion.q, a_);
     acceleration_.add_damping(system, motion.q, motion.v, a_);
     v_.resize(system.size());
-    const T *gradient = a_.data(), *mass = system.mass.diagonal().data(),
-            *free = system.prescribed.free().data(), *target = system.prescribed.target().data(),
-            *q = motion.q.displacement.data(), *v_0 = motion.v.data();
-    T* v = v_.data();
-    for (std::ptrdiff_t k = 0; k < v_.size(); ++k) {
-      const T held = (target[k] - q[k]) / h, moved = v_0[k] - h * gradient[k] / mass[k];
-      v[k] = free[k] == T(0) ? held : moved;
+    next_.displacement.resize(system.size());
+    using Block = Batch<T, block_stride>;
+    const auto at = [](const Vector<T>& x, std::ptrdiff_t k) { return Block::load(x.data() + k); };
+    const Block step(h), zero(T(0));
+    Block sum = zero;
+    for (std::ptrdiff_t k = 0; k < v_.size(); k += block_stride) {
+      const Block q = at(motion.q.displacement, k), held = (at(system.prescribed.target(), k) - q) / step,
+                  moved = at(motion.v, k) - step * at(a_, k) / at(system.mass.diagonal(), k),
+                  v = select(at(system.prescribed.free(), k) == zero, held, moved), next = q + step * v;
+      v.store(v_.data() + k);
+      next.store(next_.displacement.data() + k);
+      sum += next - next;  // 0, or not a number
     }
+    return all(sum == zero);
   }
 
   SemiExplicitEulerOptions options_;

@@ -19,7 +19,8 @@ struct LoadSteps {
 };
 
 /// Static equilibrium by Newton's method, under the full load at once or in steps that are cut back where it
-/// does not converge. Loads from outside and prescribed displacements grow together, from nothing and from
+/// does not converge. An equilibrium with inverted elements, which laws that are finite there have (St.
+/// Venant-Kirchhoff under compression), gets the status `inverted`, and load steps stay clear of it. Loads from outside and prescribed displacements grow together, from nothing and from
 /// where they are.
 template <class S, class Operator = Assembled,
           template <class> class Preconditioner = DefaultPreconditioner<Operator>::template type,
@@ -60,9 +61,17 @@ class StaticSolver {
  private:
   StepReport at_once(const S& system, State<T>& q) {
     potential_.set_static(system);
-    const StepReport report = newton.minimise(potential_, q);
+    const StepReport report = minimise(system, q);
     reached_ = report.status == Status::converged ? 1 : 0;
     return report;
+  }
+
+  StepReport minimise(const S& system, State<T>& q) {
+    StepReport report = newton.minimise(potential_, q);
+    if (report.status != Status::converged) return report;
+    report.inverted = system.inverted(q);
+    return report.inverted == 0 ? report
+                                : detail::ended(report, Status::inverted, "elements are inverted in equilibrium");
   }
 
   StepReport in_steps(const S& system, State<T>& q) {
@@ -73,10 +82,11 @@ class StaticSolver {
       const double next = reached_ + part > 1 - 1e-9 ? 1 : reached_ + part;
       trial_ = q;
       potential_.set_static(system, start_, next);
-      const StepReport report = newton.minimise(potential_, trial_);
+      const StepReport report = minimise(system, trial_);
       total.newton_iterations += report.newton_iterations;
       total.linear_iterations += report.linear_iterations;
       total.residual = report.residual;
+      total.inverted = report.inverted;
       if (report.status == Status::converged) {
         q.displacement.swap(trial_.displacement);
         reached_ = next;

@@ -71,6 +71,12 @@ requires Kinematics<K> &&(Material<M> || MaterialField<M>)struct Elastic {
     return K::volume(shape(data)) * law(data).energy_density(K::deformation_gradient(shape(data), u));
   }
 
+  /// det F.
+  template <class T>
+  [[nodiscard]] T volume_ratio(const Data<T>& data, const Local<T, points>& u) const {
+    return determinant(Mat3<T>(K::deformation_gradient(shape(data), u)));
+  }
+
   /// V B^T P(F), N.
   template <class T>
   [[nodiscard]] Eigen::Matrix<T, 3 * points, 1> gradient(const Data<T>& data,

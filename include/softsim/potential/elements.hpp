@@ -139,23 +139,35 @@ class Elements {
 
   /// Sum of the energies in J, accumulated in double in fixed order.
   [[nodiscard]] double energy(const State<T>& q) const requires LocalPotential<E, Value> {
-    const T* from = unknowns(q);
-    for_each_stretch([&](const Stretch& s) { s.energy = energy_of(s, from); });
-    double sum = 0;
-    for (const Stretch& s : stretches_) sum += s.energy;
-    return sum;
+    return sum(q, [](const E& model, const Data& data, const Unknowns<E, Value>& u) {
+      return model.energy(data, u);
+    });
+  }
+
+  /// Number of elements that are inverted or flat at q: det F <= 0 at an integration point.
+  [[nodiscard]] std::size_t inverted(const State<T>& q) const requires requires {
+    &E::template volume_ratio<Value>;
+  }
+  {
+    const double count = sum(q, [](const E& model, const Data& data, const Unknowns<E, Value>& u) {
+      return select(model.volume_ratio(data, u) > Value(0), Value(0), Value(1));
+    });
+    return static_cast<std::size_t>(count);
   }
 
   /// y += dE/dq (minus the force), N.
   void add_gradient(const State<T>& q, Vector<T>& y) const {
-    const T* from = unknowns(q);
-    for_each_stretch([&](const Stretch& s) { add_gradient_of(s, from, y.data()); });
+    visit(q, &y, [](const E& model, const Data& data, const Unknowns<E, Value>& u, const Chunk&) {
+      return model.gradient(data, u);
+    });
   }
 
   /// y += (d^2E/dq^2) d.
   void add_hessian_product(const State<T>& q, const Vector<T>& d, Vector<T>& y) const {
-    const T* from = unknowns(q);
-    for_each_stretch([&](const Stretch& s) { add_product_of(s, from, d.data(), y.data()); });
+    const T* from = d.data();
+    visit(q, &y, [from](const E& model, const Data& data, const Unknowns<E, Value>& u, const Chunk& chunk) {
+      return model.hessian_product(data, u, gather_tangent(chunk, from));
+    });
   }
 
   /// What products with one tangent share, chunk by chunk.
@@ -286,7 +298,7 @@ class Elements {
     std::size_t model, first;   // first chunk
     int count;                  // stencils
     std::ptrdiff_t before = 0;  // stencils of the stretches before
-    mutable double energy = 0;
+    mutable double sum = 0;
   };
   static constexpr std::size_t numbers = sizeof(RestData) / sizeof(double);
   static_assert(sizeof(Chunk::data) == numbers * sizeof(Value), "Data<T> may hold scalars T only");
@@ -394,6 +406,16 @@ class Elements {
     }
   }
 
+  // Sum of f(model, data, u) over all stencils, stretch by stretch in fixed order.
+  template <class Function>
+  [[nodiscard]] double sum(const State<T>& q, Function f) const {
+    const T* from = unknowns(q);
+    for_each_stretch([&](const Stretch& s) { s.sum = sum_of(s, from, f); });
+    double result = 0;
+    for (const Stretch& s : stretches_) result += s.sum;
+    return result;
+  }
+
   // The loops over chunks.
 
   template <class Function>
@@ -408,28 +430,16 @@ class Elements {
         scatter(*chunk, std::min(N, s.count - k), call(), y->data());
     }
   }
-  SOFTSIM_FLATTEN double energy_of(const Stretch& s, const T* from) const {
+  template <class Function>
+  SOFTSIM_FLATTEN double sum_of(const Stretch& s, const T* from, const Function& f) const {
     const E& model = models_[s.model];
     double sum = 0;
     const Chunk* chunk = chunks_.data() + s.first;
     for (int k = 0; k < s.count; k += N, ++chunk) {
-      const Value w = model.energy(data_of(*chunk), gather(*chunk, from));
+      const Value w = f(model, data_of(*chunk), gather(*chunk, from));
       for (int l = 0; l < std::min(N, s.count - k); ++l) sum += static_cast<double>(lane(w, l));
     }
     return sum;
-  }
-  SOFTSIM_FLATTEN void add_gradient_of(const Stretch& s, const T* from, T* y) const {
-    const E& model = models_[s.model];
-    const Chunk* chunk = chunks_.data() + s.first;
-    for (int k = 0; k < s.count; k += N, ++chunk)
-      scatter(*chunk, std::min(N, s.count - k), model.gradient(data_of(*chunk), gather(*chunk, from)), y);
-  }
-  SOFTSIM_FLATTEN void add_product_of(const Stretch& s, const T* from, const T* d, T* y) const {
-    const E& model = models_[s.model];
-    const Chunk* chunk = chunks_.data() + s.first;
-    for (int k = 0; k < s.count; k += N, ++chunk)
-      scatter(*chunk, std::min(N, s.count - k),
-              model.hessian_product(data_of(*chunk), gather(*chunk, from), gather_tangent(*chunk, d)), y);
   }
   template <class Item>
   SOFTSIM_FLATTEN void linearise_of(const Stretch& s, const T* from, Item* items) const {

@@ -63,6 +63,12 @@ struct Heml {
     return data.volume * law.density(Shape<T>(data, edges(x)).i);
   }
 
+  /// J.
+  template <class T>
+  [[nodiscard]] T volume_ratio(const Data<T>& data, const Local<T, 4>& x) const {
+    return data.inverse_det * determinant(edges(x));
+  }
+
   /// dW/dx, N.
   template <class T>
   [[nodiscard]] Eigen::Matrix<T, 12, 1> gradient(const Data<T>& data, const Local<T, 4>& x) const {

@@ -38,6 +38,20 @@ struct Quadrature {
     return sum;
   }
 
+  /// The smallest det F of the points.
+  template <class T>
+  [[nodiscard]] T volume_ratio(const Data<T>& data, const Local<T, points>& u) const requires requires {
+    local.volume_ratio(data[0], u);
+  }
+  {
+    T smallest = local.volume_ratio(data[0], u);
+    for (std::size_t k = 1; k < n; ++k) {
+      const T ratio = local.volume_ratio(data[k], u);
+      smallest = select(smallest < ratio, smallest, ratio);
+    }
+    return smallest;
+  }
+
   /// Sum of the points' gradients, N.
   template <class T>
   [[nodiscard]] Eigen::Matrix<T, 3 * points, 1> gradient(const Data<T>& data,

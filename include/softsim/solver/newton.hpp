@@ -32,6 +32,9 @@ struct NewtonOptionsFor {
   int update_every = 1;     ///< iterations with one tangent; 0: one for the whole solve (modified Newton)
   bool frozen = false;      ///< one tangent for all solves, until `refresh`
   bool verify_minimum = false;  ///< look for negative curvature before converged is said
+  /// A step that would invert an element of a state without inverted ones is shortened, as laws that are
+  /// infinite there make it: for laws that soften in compression (St. Venant-Kirchhoff).
+  bool refuse_inversion = false;
 };
 /// Options of `Newton` with conjugate gradients.
 using NewtonOptions = NewtonOptionsFor<ConjugateGradient>;
@@ -131,7 +134,9 @@ class Newton {
       if (pending == 0 && search_along_gradient(problem, q, residual, reference, false)) continue;
       if (tiny > 0)
         return options.verify_minimum ? verified(problem, q, report) : ended(report, Status::converged, "");
-      return ended(report, Status::not_converged, "Newton: the line search found no decrease");
+      return ended(report, Status::not_converged,
+                   refused_ ? "Newton: every step would invert elements"
+                            : "Newton: the line search found no decrease");
     }
   }
 
@@ -268,10 +273,14 @@ class Newton {
         slope = -slope;
       }
     }
+    const auto& system = problem.system();
+    const bool refuse = options.refuse_inversion && system.inverted(q) == 0;
     T step = T(1);
     for (int k = 0; k <= options.max_halvings; ++k, step /= 2) {
       trial_ = q;
       retract(trial_, x_, step);
+      refused_ = refuse && system.inverted(trial_) > 0;
+      if (refused_) continue;
       bool accepted = prescribed_moves;
       if constexpr (Problem::conservative) {
         const double after = problem.value(trial_);
@@ -302,7 +311,7 @@ class Newton {
   typename Method::template Workspace<T> workspace_;
   Vector<T> g_, r_, b_, x_, delta_, trial_gradient_;
   State<T> trial_, at_;
-  bool linearised_ = false;
+  bool linearised_ = false, refused_ = false;  // the last trial would have inverted elements
 };
 
 }  // namespace softsim

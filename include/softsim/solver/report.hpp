@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <string_view>
 
 #include "softsim/core/error.hpp"
@@ -25,6 +26,7 @@ struct [[nodiscard]] StepReport {
   double residual =
       0;  ///< relative; of the equilibrium for Newton, of the linear solve for a linearised step
   std::string_view reason = "";  ///< why it did not converge; empty if it did
+  std::size_t inverted = 0;      ///< elements inside out or flat after a static solve; others do not count
 };
 
 namespace detail {

@@ -90,6 +90,14 @@ class System {
   [[nodiscard]] double energy(const State<T>& q) const requires(Potential<Terms>&&...) {
     return std::apply([&](const auto&... term) { return (term.energy(q) + ...); }, terms);
   }
+  /// Number of elements that are inverted or flat at q, of the terms that can tell: elastic solids.
+  [[nodiscard]] std::size_t inverted(const State<T>& q) const {
+    std::size_t count = 0;
+    for_each_term([&](const auto& term) {
+      if constexpr (requires { term.inverted(q); }) count += term.inverted(q);
+    });
+    return count;
+  }
   /// y += dE/dq: minus the sum of the forces, N.
   void add_gradient(const State<T>& q, Vector<T>& y) const {
     std::apply([&](const auto&... term) { (term.add_gradient(q, y), ...); }, terms);
