@@ -51,7 +51,8 @@ class RecoveryTable {
       : table_(
             arguments, "elements_recovery",
             "law,discretisation,body,nu,guided,support,start,noise,runs,recovered,newton_median,newton_max,"
-            "linear_median,elsewhere,inside_out,saddle,not_converged,not_finite,energy_left,inverted_left,reason"),
+            "linear_median,elsewhere,inside_out,saddle,not_converged,not_finite,energy_left,inverted_left,"
+            "reason"),
         claims_(claims) {}
 
   struct Case {

@@ -34,7 +34,8 @@ TEST(InvertedElements, AreThoseOfNoPositiveVolume) {
     std::size_t expected = 0;
     for (const softsim::Tetrahedron& v : mesh.tetrahedra()) {
       std::array<Vec, 4> x;
-      for (std::size_t i = 0; i < 4; ++i) x[i] = mesh.points()[static_cast<std::size_t>(v[i])] + q.point(v[i]);
+      for (std::size_t i = 0; i < 4; ++i)
+        x[i] = mesh.points()[static_cast<std::size_t>(v[i])] + q.point(v[i]);
       expected += (x[1] - x[0]).cross(x[2] - x[0]).dot(x[3] - x[0]) <= 0;
     }
     EXPECT_TRUE(seed == 1 || expected > 0);

@@ -67,8 +67,7 @@ class SemiExplicitEuler {
       retract(next_, v_, h);
       finite = report.status != Status::not_finite && std::isfinite(norm(next_.displacement));
     }
-    if (!finite)
-      return detail::ended(report, Status::not_finite, detail::too_large);
+    if (!finite) return detail::ended(report, Status::not_finite, detail::too_large);
     motion.q.displacement.swap(next_.displacement);
     motion.v.swap(v_);
     motion.time += options_.dt;

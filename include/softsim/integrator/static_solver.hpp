@@ -20,8 +20,8 @@ struct LoadSteps {
 
 /// Static equilibrium by Newton's method, under the full load at once or in steps that are cut back where it
 /// does not converge. An equilibrium with inverted elements, which laws that are finite there have (St.
-/// Venant-Kirchhoff under compression), gets the status `inverted`, and load steps stay clear of it. Loads from outside and prescribed displacements grow together, from nothing and from
-/// where they are.
+/// Venant-Kirchhoff under compression), gets the status `inverted`, and load steps stay clear of it. Loads
+/// from outside and prescribed displacements grow together, from nothing and from where they are.
 template <class S, class Operator = Assembled,
           template <class> class Preconditioner = DefaultPreconditioner<Operator>::template type,
           class Method = ConjugateGradient>
@@ -70,8 +70,9 @@ class StaticSolver {
     StepReport report = newton.minimise(potential_, q);
     if (report.status != Status::converged) return report;
     report.inverted = system.inverted(q);
-    return report.inverted == 0 ? report
-                                : detail::ended(report, Status::inverted, "elements are inverted in equilibrium");
+    return report.inverted == 0
+               ? report
+               : detail::ended(report, Status::inverted, "elements are inverted in equilibrium");
   }
 
   StepReport in_steps(const S& system, State<T>& q) {

@@ -200,9 +200,9 @@ class ReducedNewton {
       const Eigen::ArrayXd lambda = eigen_.eigenvalues().cwiseAbs();
       const double largest = lambda.maxCoeff();
       if (!(largest > 0)) return false;
-      a_ = -(eigen_.eigenvectors() *
-             ((eigen_.eigenvectors().transpose() * r_).array() / lambda.max(smallest_ratio * largest))
-                 .matrix());
+      a_ = -(
+          eigen_.eigenvectors() *
+          ((eigen_.eigenvectors().transpose() * r_).array() / lambda.max(smallest_ratio * largest)).matrix());
     }
     x_ = (basis_ * a_).template cast<T>();
     return a_.allFinite();

@@ -43,9 +43,9 @@ using NewtonOptions = NewtonOptionsFor<ConjugateGradient>;
 /// method with a preconditioner and a backtracking line search. The linear systems are solved only as far as
 /// the residual warrants (inexact Newton); a direction of negative curvature ends a linear solve and leaves a
 /// descent direction. Where the line search finds no decrease, it is tried along the preconditioned gradient
-/// and then along the gradient itself. Prescribed components that are not in place yet move with the linearised system, so that a large
-/// prescribed displacement does not crush the elements next to it. Holds its work vectors: after the first
-/// solve of a system nothing is allocated.
+/// and then along the gradient itself. Prescribed components that are not in place yet move with the
+/// linearised system, so that a large prescribed displacement does not crush the elements next to it. Holds
+/// its work vectors: after the first solve of a system nothing is allocated.
 ///
 /// Problem: `conservative`, `system()`, `value(q)` in J if conservative, `gradient(q, g)`, which returns the
 /// norm that residuals are measured against, `increment(q, d)`, what prescribed components still have to
