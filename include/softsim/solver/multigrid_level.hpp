@@ -12,28 +12,28 @@
 
 #include "softsim/core/batch.hpp"
 #include "softsim/core/tensor.hpp"
+#include "softsim/solver/multigrid_cycle.hpp"
 
 namespace softsim::detail {
 
-/// One level of smoothed aggregation: a matrix A of R x R blocks, its way to the next level, whose blocks are
-/// 6 x 6, and its share of the V-cycle. What is set up is set up in double; the cycle runs in single
-/// precision on A / unit. What depends on the pattern and on which couplings are strong is kept.
+/// One level of smoothed aggregation: a matrix A of R x R blocks and its way to the next level, whose blocks
+/// are 6 x 6. What is set up is set up in double, and rounded for the cycle, which runs on A / unit. What
+/// depends on the pattern and on which couplings are strong is kept.
 template <int R>
-class MultigridLevel {
- public:
-  static constexpr std::size_t lanes = R == 3 ? 4 : 8;  ///< scalars per node of a vector
-  static constexpr std::size_t entries = R * R;         ///< scalars per block of A, row-major
-  static constexpr std::size_t wide = 8;                ///< scalars per row of a block of the prolongation
+class MultigridLevel : public MultigridCycle<R> {
+  using Cycle = MultigridCycle<R>;
+  using Cycle::at, Cycle::columns_times, Cycle::inverse_single_, Cycle::p_, Cycle::p_column_, Cycle::p_start_,
+      Cycle::product, Cycle::single_, Cycle::times_inverse;
+  using typename Cycle::Lanes_;
 
-  std::vector<std::int32_t> start, column, diagonal;  ///< rows of A, columns ascending, both triangles
+ public:
+  using Cycle::column, Cycle::diagonal, Cycle::entries, Cycle::lanes, Cycle::r, Cycle::size, Cycle::start,
+      Cycle::wide, Cycle::x;
+
   std::vector<double> values;
   std::vector<double> modes;        ///< rigid modes, R rows of six per node
   std::vector<std::int32_t> group;  ///< aggregate of every node, -1 for none
   std::size_t groups = 0;
-  mutable std::vector<float> r, x;
-
-  [[nodiscard]] std::size_t size() const { return diagonal.size(); }
-
   /// Finds the strong couplings, |A_ij|^2 > threshold^2 |A_ii| |A_jj|. True if they are others than before.
   bool find_strong(double threshold) {
     norm_.resize(size());
@@ -196,72 +196,12 @@ class MultigridLevel {
       }
   }
 
-  /// Forward Gauss-Seidel from x = 0, and what is left of r as the right-hand side of the next level.
-  void descend(const MultigridLevel<6>& next) const {
-    for (std::size_t i = 0; i < size(); ++i) {
-      Lanes_ s = Lanes_::load(&r[lanes * i]);
-      for (std::int32_t k = start[i]; k < diagonal[i]; ++k) s -= product(k);
-      smooth(i, s);
-    }
-    std::fill(next.r.begin(), next.r.end(), 0.0F);
-    for (std::size_t i = 0; i < size(); ++i) {
-      Lanes_ s(0);
-      for (std::int32_t k = diagonal[i] + 1; k < start[i + 1]; ++k) s -= product(k);
-      float residual[lanes];
-      s.store(residual);
-      for (std::int32_t p = p_start_[i]; p < p_start_[i + 1]; ++p) {
-        float* to = &next.r[wide * at(p_column_[at(p)])];
-        Eight sum = Eight::load(to);
-        for (std::size_t c = 0; c < R; ++c)
-          sum += Eight::load(&p_[R * wide * at(p) + wide * c]) * Eight(residual[c]);
-        sum.store(to);
-      }
-    }
-  }
-
-  /// Adds the correction of the next level, and backward Gauss-Seidel.
-  void ascend(const MultigridLevel<6>& next) const {
-    prolong(next);
-    smooth_backward();
-  }
-
-  /// x += P next.x
-  void prolong(const MultigridLevel<6>& next) const {
-    for (std::size_t i = 0; i < size(); ++i) {
-      Eight dot[R];
-      for (std::size_t c = 0; c < R; ++c) dot[c] = Eight(0);
-      for (std::int32_t p = p_start_[i]; p < p_start_[i + 1]; ++p) {
-        const auto e = Eight::load(&next.x[8 * at(p_column_[at(p)])]);
-        for (std::size_t c = 0; c < R; ++c) dot[c] += Eight::load(&p_[R * wide * at(p) + wide * c]) * e;
-      }
-      for (std::size_t c = 0; c < R; ++c) {
-        float s[8];
-        dot[c].store(s);
-        x[lanes * i + c] += ((s[0] + s[1]) + (s[2] + s[3])) + (s[4] + s[5]);
-      }
-    }
-  }
-
-  /// Symmetric Gauss-Seidel instead, where there is nothing to hand down.
-  void smooth_alone() const {
-    for (std::size_t i = 0; i < size(); ++i) {
-      Lanes_ s = Lanes_::load(&r[lanes * i]);
-      for (std::int32_t k = start[i]; k < diagonal[i]; ++k) s -= product(k);
-      smooth(i, s);
-    }
-    smooth_backward();
-  }
-
   /// The prolongation before its smoothing, R rows of eight (the last two zero) per node; for tests.
   [[nodiscard]] const std::vector<double>& tentative() const { return tentative_; }
 
  private:
   using Block = Eigen::Matrix<double, R, R, Eigen::RowMajor>;
   using Row = Batch<double, 8>;
-  using Eight = Batch<float, 8>;
-  using Lanes_ = Batch<float, static_cast<int>(lanes)>;
-
-  static std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
   double square(std::int32_t k) const {
     double s = 0;
@@ -430,39 +370,11 @@ class MultigridLevel {
     return 1.1 * growth;
   }
 
-  // A_k x; what is in the lanes after the first R has no meaning, and none is used.
-  Lanes_ product(std::int32_t k) const {
-    const float* m = &single_[entries * at(k)];
-    const float* v = &x[lanes * at(column[at(k)])];
-    return columns_times<R>(m, v);
-  }
-  template <std::size_t stride>
-  static Lanes_ columns_times(const float* m, const float* v) {
-    Lanes_ s = Lanes_::load(m) * Lanes_(v[0]);
-    for (std::size_t b = 1; b < R; ++b) s += Lanes_::load(m + stride * b) * Lanes_(v[b]);
-    return s;
-  }
-  Lanes_ times_inverse(std::size_t i, const Lanes_& s) const {
-    float v[lanes];
-    s.store(v);
-    return columns_times<lanes>(&inverse_single_[R * lanes * i], v);
-  }
-  void smooth(std::size_t i, const Lanes_& s) const { times_inverse(i, s).store(&x[lanes * i]); }
-  void smooth_backward() const {
-    for (std::size_t i = size(); i-- > 0;) {
-      Lanes_ s = Lanes_::load(&r[lanes * i]);
-      for (std::int32_t k = start[i]; k < diagonal[i]; ++k) s -= product(k);
-      for (std::int32_t k = start[i + 1]; --k > diagonal[i];) s -= product(k);
-      smooth(i, s);
-    }
-  }
-
   std::vector<double> norm_, inverse_, tentative_, row_, sum_;
   std::vector<char> strong_;
-  // Patterns of P and A P; upper_: where a block of the next matrix is, or its transpose, in the upper
+  // Pattern of A P; upper_: where a block of the next matrix is, or its transpose, in the upper
   // triangle; target_: where the products of one row of P and one of A P go, in the order of `project`.
-  std::vector<std::int32_t> p_start_, p_column_, ap_start_, ap_column_, place_, upper_, target_;
-  std::vector<float> single_, inverse_single_, p_;
+  std::vector<std::int32_t> ap_start_, ap_column_, place_, upper_, target_;
   mutable std::vector<float> residual_;
 };
 
