@@ -15,9 +15,7 @@
 // With the instruction set the layout of a batch changes: the namespace carries the width, so that batches of
 // objects built with different -march flags are different types. Compile a program with one -march all the
 // same: what is not made of batches has the same name with every flag.
-// Registers of 512 bits are for clang only: g++ 12 makes wrong products of edge-length forces with them (at -O3
-// -march=x86-64-v4; right again with -fno-gcse, and at -O2).
-#if defined(__AVX512F__) && defined(__clang__)
+#if defined(__AVX512F__)
 #define SOFTSIM_SIMD_BYTES 64
 #define SOFTSIM_SIMD_NAMESPACE simd512
 #elif defined(__AVX__)

@@ -32,6 +32,22 @@ template <class T, int N>
   }
 }
 
+// The shuffle of a and b given by the places I: the first half of each 128 bits of both, by turns. Eight
+// doubles are handled as integers: with a in memory and b a constant, g++ 12 takes vmovddup, which reads a
+// twice, for vunpcklpd (also of _mm512_unpacklo_pd and _mm512_shuffle_pd; sse.md, *avx512f_unpcklpd512).
+template <class T, int N, int... I>
+[[gnu::always_inline]] inline typename Batch<T, N>::Register interleave_first(
+    const typename Batch<T, N>::Register& a, const typename Batch<T, N>::Register& b) {
+#if defined(__AVX512F__)
+  if constexpr (sizeof(T) == 8 && N == 8)
+    return reinterpret_cast<typename Batch<T, N>::Register>(
+        // without a mask g++ 12 warns of an uninitialised argument in its own header
+        _mm512_maskz_unpacklo_epi64(0xFF, reinterpret_cast<__m512i>(a), reinterpret_cast<__m512i>(b)));
+  else
+#endif
+    return __builtin_shufflevector(a, b, I...);
+}
+
 // From one arrangement to the other and back. Two rounds of shuffles, the first within each 128 bits and the
 // second of pairs of lanes, which the compilers turn into one unpack or permute instruction each.
 template <class T, int N, int... I>
@@ -39,10 +55,28 @@ template <class T, int N, int... I>
   using Register = typename Batch<T, N>::Register;
   constexpr int step = sizeof(T) == 8 ? 2 : 1, odd = 3 - step;
   const Register r0 = r[0].lanes, r1 = r[1].lanes, r2 = r[2].lanes, r3 = r[3].lanes;
-  const Register a = __builtin_shufflevector(r0, r1, (I % 2 * N + I / 4 * 4 + I % 4 / 2 * step)...);
+  const Register a = interleave_first<T, N, (I % 2 * N + I / 4 * 4 + I % 4 / 2 * step)...>(r0, r1);
   const Register b = __builtin_shufflevector(r0, r1, (I % 2 * N + I / 4 * 4 + I % 4 / 2 * step + odd)...);
-  const Register c = __builtin_shufflevector(r2, r3, (I % 2 * N + I / 4 * 4 + I % 4 / 2 * step)...);
+  const Register c = interleave_first<T, N, (I % 2 * N + I / 4 * 4 + I % 4 / 2 * step)...>(r2, r3);
   const Register d = __builtin_shufflevector(r2, r3, (I % 2 * N + I / 4 * 4 + I % 4 / 2 * step + odd)...);
+#if defined(__AVX512F__)
+  if constexpr (sizeof(T) * N == 64 && sizeof(T) == 8) {
+    // One instruction with the places in it; the compilers would load them from memory.
+    const auto low = [](const Register& x, const Register& y) __attribute__((always_inline)) {
+      return reinterpret_cast<Register>(
+          _mm512_mask_permutex_pd(reinterpret_cast<__m512d>(x), 0xCC, reinterpret_cast<__m512d>(y), 0x44));
+    };
+    const auto high = [](const Register& x, const Register& y) __attribute__((always_inline)) {
+      return reinterpret_cast<Register>(
+          _mm512_mask_permutex_pd(reinterpret_cast<__m512d>(y), 0x33, reinterpret_cast<__m512d>(x), 0xEE));
+    };
+    r[0].lanes = low(a, c);
+    r[odd].lanes = low(b, d);
+    r[step].lanes = high(a, c);
+    r[3].lanes = high(b, d);
+    return;
+  }
+#endif
   r[0].lanes = __builtin_shufflevector(a, c, (I % 4 / 2 * N + I / 4 * 4 + I % 2)...);
   r[odd].lanes = __builtin_shufflevector(b, d, (I % 4 / 2 * N + I / 4 * 4 + I % 2)...);
   r[step].lanes = __builtin_shufflevector(a, c, (I % 4 / 2 * N + I / 4 * 4 + I % 2 + 2)...);
