@@ -149,6 +149,18 @@ TEST(ElementsAtlas, StiffnessRatiosUpToAMillionConverge) {
     }
 }
 
+TEST(ElementsAtlas, PoissonsRatiosUpToAlmostAHalfConverge) {
+  const Body block("cube", cube(4));
+  for (const bool stable_law : {true, false})
+    for (const bool at_nodes : {false, true})
+      for (const double nu : {0.49, 0.4999}) {
+        const LoadedCube r =
+            load_cube(block, nearly_incompressible(block, stable_law, at_nodes, nu), Vec(0.02, 0, -0.05));
+        EXPECT_EQ(r.report.status, Status::converged) << stable_law << at_nodes << ' ' << nu;
+        EXPECT_EQ(r.inverted, 0);
+      }
+}
+
 TEST(ElementsAtlas, TwoTurnsTenfoldStretchAndBack) {
   const Body b = bar(2);
   const auto expect_return = [&](const std::string& name, const Elasticity& elastic, const Grip& to,

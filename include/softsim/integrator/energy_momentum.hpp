@@ -86,10 +86,15 @@ class EnergyMomentum {
     terms_.damping = 1 / dt_;
     terms_.inertia = static_cast<T>(2 / dt_) * motion.v;
     problem_.set_step(system, start_, terms_);
-    next_ = start_;
-    retract(next_, motion.v, static_cast<T>(dt_));
-    restore_prescribed(system.prescribed);
-    const StepReport report = newton_.minimise(problem_, next_);
+    StepReport report;
+    // From where the old velocity leads to, or from the start if the energy is not defined there.
+    for (const T step : {static_cast<T>(dt_), T(0)}) {
+      next_ = start_;
+      retract(next_, motion.v, step);
+      restore_prescribed(system.prescribed);
+      report = newton_.minimise(problem_, next_);
+      if (report.status != Status::not_finite) break;
+    }
     if (report.status == Status::not_finite) return report;
     difference(start_, next_, d_);
     v_ = static_cast<T>(2 / dt_) * d_ - motion.v;
