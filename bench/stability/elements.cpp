@@ -271,8 +271,10 @@ void extremes(const Arguments& arguments, Claims& claims) {
         const bool there_and_back = x.arrived && x.back && x.rest < 1e-6;
         if (there_and_back) ++safe;
         // a law that is not defined for inverted elements cannot slip; a filtered tangent converges too
-        // slowly
-        const bool never_inverts = !law.everywhere && !law.name.ends_with("projected");
+        // slowly, and the exponential of I1 = 100 has lost its slope to rounding
+        const bool exponential = law.name == "Fung" || law.name == "Veronda-Westmann";
+        const bool never_inverts =
+            !law.everywhere && !law.name.ends_with("projected") && !(exponential && kind.name == "stretch");
         const bool small_steps = kind.name == "stretch"       ? steps >= 16
                                  : kind.name == "compression" ? steps >= 32
                                                               : kind.to.degrees / steps <= 45;

@@ -47,6 +47,12 @@ def solvers(folder):
             axes[0][column].loglog(n, [float(r["setup_ms"]) + float(r["solve_ms"]) for r in mine], **style)
             if name != "LDLT":
                 axes[1][column].loglog(n, [float(r["iterations"]) for r in mine], **style)
+        mine = [r for r in rows if r["solver"] == "CG multigrid" and r["problem"] == problem]
+        if mine:
+            n = [float(r["unknowns"]) for r in mine]
+            first = float(mine[0]["setup_ms"]) + float(mine[0]["solve_ms"])
+            axes[0][column].loglog(n, [first * (x / n[0]) ** 1.1 for x in n], color="0.5", lw=0.8, ls=":",
+                                   label="n^1.1")
         axes[0][column].set_title(f"{problem}: " + ("stiffness alone" if problem == "static" else "backward Euler, 10 ms"))
         axes[1][column].set_xlabel("unknowns")
     axes[0][0].set_ylabel("set-up and solve to 1e-6, ms, one core")

@@ -161,7 +161,7 @@ def step_sizes(rows):
     names = distinct(rows, "method")
     colour = {m: plt.cm.tab20(i / 20) for i, m in enumerate(names)}
     for method, kind in methods:
-        of = [r for r in pick(rows, method=method, kind=kind) if r["error"] == r["error"] and r["error"] < 1.5]
+        of = [r for r in pick(rows, method=method, kind=kind) if r["outcome"] == "converged" and r["error"] < 1.5]
         if kind == "linearised" or not of:
             continue
         right.plot([r["seconds_to_error"] for r in of], [r["error"] for r in of], styles[kind],

@@ -30,7 +30,7 @@ struct Recovery {
 };
 
 /// Options of every attempt: far below the default tolerance, because forces of a tangled start are large.
-inline softsim::NewtonOptions recovery_options(int max_iterations = 400) {
+inline softsim::NewtonOptions recovery_options(int max_iterations = 1000) {
   return {.max_iterations = max_iterations, .tolerance = 1e-12, .verify_minimum = true};
 }
 

@@ -187,11 +187,14 @@ bool inner_iterations(const atlas::Arguments& arguments, const std::string& path
         }
         any = any || row[full].converged;
       }
-      if (crossover == 0 && row[1].converged && (!row[0].converged || row[1].ms < row[0].ms)) crossover = n;
+      if (!row[1].converged || (row[0].converged && row[0].ms < row[1].ms))
+        crossover = 0;
+      else if (crossover == 0)
+        crossover = n;
     }
     std::printf(
         "%s: full Newton best with %d inner iterations, %.1f ms in %d; modified with %d, %.1f ms in %d; full "
-        "is faster from %d on\n",
+        "is always faster from %d on\n",
         inner.c_str(), best_count[1], best[1].ms, best[1].newton, best_count[0], best[0].ms, best[0].newton,
         crossover);
   }
