@@ -29,16 +29,12 @@ class MultigridCycle {
   /// Forward Gauss-Seidel from x = 0, and what is left of r as the right-hand side of the next level.
   void descend(const MultigridCycle<6>& next) const {
     for (std::size_t i = 0; i < size(); ++i) {
-      Lanes_ s = Lanes_::load(&r[lanes * i]);
-      for (std::int32_t k = start[i]; k < diagonal[i]; ++k) s -= product(k);
-      smooth(i, s);
+      smooth(i, less_lower(i, Lanes_::load(&r[lanes * i])));
     }
     std::fill(next.r.begin(), next.r.end(), 0.0F);
     for (std::size_t i = 0; i < size(); ++i) {
-      Lanes_ s(0);
-      for (std::int32_t k = diagonal[i] + 1; k < start[i + 1]; ++k) s -= product(k);
       float residual[lanes];
-      s.store(residual);
+      less_upper(i, Lanes_(0)).store(residual);
       for (std::int32_t p = p_start_[i]; p < p_start_[i + 1]; ++p) {
         float* to = &next.r[wide * at(p_column_[at(p)])];
         Eight sum = Eight::load(to);
@@ -75,9 +71,7 @@ class MultigridCycle {
   /// Symmetric Gauss-Seidel instead, where there is nothing to hand down.
   void smooth_alone() const {
     for (std::size_t i = 0; i < size(); ++i) {
-      Lanes_ s = Lanes_::load(&r[lanes * i]);
-      for (std::int32_t k = start[i]; k < diagonal[i]; ++k) s -= product(k);
-      smooth(i, s);
+      smooth(i, less_lower(i, Lanes_::load(&r[lanes * i])));
     }
     smooth_backward();
   }
@@ -88,11 +82,19 @@ class MultigridCycle {
 
   static std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-  // A_k x; what is in the lanes after the first R has no meaning, and none is used.
-  Lanes_ product(std::int32_t k) const {
-    const float* m = &single_[entries * at(k)];
-    const float* v = &x[lanes * at(column[at(k)])];
-    return columns_times<R>(m, v);
+  // s less what the blocks of row i below the diagonal, or above it, give. What is in the lanes after the
+  // first R has no meaning, and none is used.
+  Lanes_ less_lower(std::size_t i, const Lanes_& s) const {
+    return less(s, start[i], diagonal[i], lower_start_[i]);
+  }
+  Lanes_ less_upper(std::size_t i, const Lanes_& s) const {
+    return less(s, diagonal[i] + 1, start[i + 1], upper_start_[i]);
+  }
+  Lanes_ less(Lanes_ s, std::int32_t first, std::int32_t last, std::int32_t place) const {
+    const float* m = single_.data() + entries * at(place);
+    for (std::int32_t k = first; k < last; ++k, m += entries)
+      s -= columns_times<R>(m, &x[lanes * at(column[at(k)])]);
+    return s;
   }
   template <std::size_t stride>
   static Lanes_ columns_times(const float* m, const float* v) {
@@ -107,16 +109,16 @@ class MultigridCycle {
   }
   void smooth(std::size_t i, const Lanes_& s) const { times_inverse(i, s).store(&x[lanes * i]); }
   void smooth_backward() const {
-    for (std::size_t i = size(); i-- > 0;) {
-      Lanes_ s = Lanes_::load(&r[lanes * i]);
-      for (std::int32_t k = start[i]; k < diagonal[i]; ++k) s -= product(k);
-      for (std::int32_t k = start[i + 1]; --k > diagonal[i];) s -= product(k);
-      smooth(i, s);
-    }
+    for (std::size_t i = size(); i-- > 0;)
+      smooth(i, less_upper(i, less_lower(i, Lanes_::load(&r[lanes * i]))));
   }
 
-  std::vector<std::int32_t> p_start_, p_column_;    // pattern of P
-  std::vector<float> single_, inverse_single_, p_;  // A / unit and its inverse blocks by columns, P by rows
+  // A / unit without its diagonal, blocks by columns: first those below it, row after row, then those above,
+  // because half of a cycle's passes need one half only, and a large matrix waits for memory.
+  std::vector<float> single_;
+  std::vector<std::int32_t> lower_start_, upper_start_;  // first block of every row there
+  std::vector<float> inverse_single_, p_;                // inverses of the diagonal by columns, P by rows
+  std::vector<std::int32_t> p_start_, p_column_;         // pattern of P
 };
 
 }  // namespace softsim::detail

@@ -23,7 +23,8 @@ template <int R>
 class MultigridLevel : public MultigridCycle<R> {
   using Cycle = MultigridCycle<R>;
   using Cycle::at, Cycle::columns_times, Cycle::inverse_single_, Cycle::p_, Cycle::p_column_, Cycle::p_start_,
-      Cycle::product, Cycle::single_, Cycle::times_inverse;
+      Cycle::less_lower, Cycle::less_upper, Cycle::lower_start_, Cycle::single_, Cycle::times_inverse,
+      Cycle::upper_start_;
   using typename Cycle::Lanes_;
 
  public:
@@ -125,16 +126,30 @@ class MultigridLevel : public MultigridCycle<R> {
   /// replaced by the absolute values of its diagonal.
   void prepare_smoother(double unit) {
     // The product reads a register where a column has R scalars: some more at the very end.
-    single_.resize(entries * column.size() + lanes - R, 0.0F);
+    single_.resize(entries * (column.size() - size()) + lanes - R, 0.0F);
     inverse_.resize(entries * size());
     inverse_single_.resize(R * lanes * size(), 0.0F);
     r.resize(lanes * size(), 0.0F);
     x.resize(lanes * size(), 0.0F);
     residual_.resize(lanes * size(), 0.0F);
-    for (std::size_t k = 0; k < column.size(); ++k)
-      for (std::size_t b = 0; b < R; ++b)
-        for (std::size_t a = 0; a < R; ++a)
-          single_[entries * k + R * b + a] = static_cast<float>(values[entries * k + R * a + b] / unit);
+    lower_start_.resize(size());
+    upper_start_.resize(size());
+    std::int32_t to = 0;
+    const auto copy = [&](std::int32_t first, std::int32_t last) {
+      for (std::int32_t k = first; k < last; ++k, ++to)
+        for (std::size_t b = 0; b < R; ++b)
+          for (std::size_t a = 0; a < R; ++a)
+            single_[entries * at(to) + R * b + a] =
+                static_cast<float>(values[entries * at(k) + R * a + b] / unit);
+    };
+    for (std::size_t i = 0; i < size(); ++i) {
+      lower_start_[i] = to;
+      copy(start[i], diagonal[i]);
+    }
+    for (std::size_t i = 0; i < size(); ++i) {
+      upper_start_[i] = to;
+      copy(diagonal[i] + 1, start[i + 1]);
+    }
     for (std::size_t i = 0; i < size(); ++i) {
       const Block D = Eigen::Map<const Block>(&values[entries * at(diagonal[i])]);
       const Eigen::LLT<Block> llt(D);
@@ -354,9 +369,9 @@ class MultigridLevel : public MultigridCycle<R> {
     for (int step = 0; step < 5; ++step) {
       double before = 0, after = 0;
       for (std::size_t i = 0; i < size(); ++i) {
-        Lanes_ s(0);
-        for (std::int32_t k = start[i]; k < start[i + 1]; ++k) s += product(k);
-        times_inverse(i, s).store(&residual_[lanes * i]);
+        // D^-1 A = I - D^-1 (D - A)
+        const Lanes_ rest = times_inverse(i, less_upper(i, less_lower(i, Lanes_(0))));
+        (Lanes_::load(&x[lanes * i]) - rest).store(&residual_[lanes * i]);
       }
       for (std::size_t k = 0; k < x.size(); ++k) {
         before += static_cast<double>(x[k]) * static_cast<double>(x[k]);
