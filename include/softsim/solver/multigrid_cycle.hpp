@@ -18,7 +18,7 @@ class MultigridCycle {
  public:
   static constexpr std::size_t lanes = R == 3 ? 4 : 8;  ///< scalars per node of a vector
   static constexpr std::size_t entries = R * R;         ///< scalars per block of A, row-major
-  static constexpr std::size_t wide = 8;                ///< scalars per row of a block of the prolongation
+  static constexpr std::size_t wide = 8;                ///< scalars per node of the next level's vectors
 
   std::vector<std::int32_t> start, column, diagonal;  ///< rows of A, columns ascending, both triangles
   mutable std::vector<float> r, x;                    ///< right-hand side and solution
@@ -28,9 +28,7 @@ class MultigridCycle {
 
   /// Forward Gauss-Seidel from x = 0, and what is left of r as the right-hand side of the next level.
   void descend(const MultigridCycle<6>& next) const {
-    for (std::size_t i = 0; i < size(); ++i) {
-      smooth(i, less_lower(i, Lanes_::load(&r[lanes * i])));
-    }
+    for (std::size_t i = 0; i < size(); ++i) smooth(i, less_lower(i, Lanes_::load(&r[lanes * i])));
     std::fill(next.r.begin(), next.r.end(), 0.0F);
     for (std::size_t i = 0; i < size(); ++i) {
       float residual[lanes];
@@ -38,8 +36,7 @@ class MultigridCycle {
       for (std::int32_t p = p_start_[i]; p < p_start_[i + 1]; ++p) {
         float* to = &next.r[wide * at(p_column_[at(p)])];
         Eight sum = Eight::load(to);
-        for (std::size_t c = 0; c < R; ++c)
-          sum += Eight::load(&p_[R * wide * at(p) + wide * c]) * Eight(residual[c]);
+        for (std::size_t c = 0; c < R; ++c) sum += Eight::load(&p_[6 * (R * at(p) + c)]) * Eight(residual[c]);
         sum.store(to);
       }
     }
@@ -58,7 +55,7 @@ class MultigridCycle {
       for (std::size_t c = 0; c < R; ++c) dot[c] = Eight(0);
       for (std::int32_t p = p_start_[i]; p < p_start_[i + 1]; ++p) {
         const auto e = Eight::load(&next.x[8 * at(p_column_[at(p)])]);
-        for (std::size_t c = 0; c < R; ++c) dot[c] += Eight::load(&p_[R * wide * at(p) + wide * c]) * e;
+        for (std::size_t c = 0; c < R; ++c) dot[c] += Eight::load(&p_[6 * (R * at(p) + c)]) * e;
       }
       for (std::size_t c = 0; c < R; ++c) {
         float s[8];
@@ -70,9 +67,7 @@ class MultigridCycle {
 
   /// Symmetric Gauss-Seidel instead, where there is nothing to hand down.
   void smooth_alone() const {
-    for (std::size_t i = 0; i < size(); ++i) {
-      smooth(i, less_lower(i, Lanes_::load(&r[lanes * i])));
-    }
+    for (std::size_t i = 0; i < size(); ++i) smooth(i, less_lower(i, Lanes_::load(&r[lanes * i])));
     smooth_backward();
   }
 
@@ -117,8 +112,10 @@ class MultigridCycle {
   // because half of a cycle's passes need one half only, and a large matrix waits for memory.
   std::vector<float> single_;
   std::vector<std::int32_t> lower_start_, upper_start_;  // first block of every row there
-  std::vector<float> inverse_single_, p_;                // inverses of the diagonal by columns, P by rows
-  std::vector<std::int32_t> p_start_, p_column_;         // pattern of P
+  std::vector<float> inverse_single_;                    // inverses of the diagonal, by columns
+  // P, rows of six: read eight at a time, of which the last two meet zeros or are not used.
+  std::vector<float> p_;
+  std::vector<std::int32_t> p_start_, p_column_;  // its pattern
 };
 
 }  // namespace softsim::detail

@@ -117,7 +117,7 @@ class MultigridLevel : public MultigridCycle<R> {
         for (std::int32_t k = ap_start_[i + 1]; k-- > ap_start_[i] && ap_column_[at(k)] >= p_column_[at(p)];)
           target_.push_back(find(p_column_[at(p)], ap_column_[at(k)]));
     }
-    p_.assign(R * wide * p_column_.size(), 0.0F);
+    p_.assign(6 * R * p_column_.size() + wide - 6, 0.0F);
     row_.assign(R * wide * at(longest), 0.0);
     place_.assign(groups, 0);
   }
@@ -178,10 +178,10 @@ class MultigridLevel : public MultigridCycle<R> {
       std::fill(row_.begin(), row_.begin() + static_cast<std::ptrdiff_t>(R * wide) * (last - first), 0.0);
       for (std::int32_t k = start[i]; k < start[i + 1]; ++k)
         for (std::int32_t p = p_start_[at(column[at(k)])]; p < p_start_[at(column[at(k)]) + 1]; ++p)
-          add_product(&values[entries * at(k)], &p_[R * wide * at(p)],
+          add_product(&values[entries * at(k)], &p_[6 * R * at(p)],
                       &row_[R * wide * at(place_[at(p_column_[at(p)])])]);
       for (std::int32_t p = p_start_[i]; p < p_start_[i + 1]; ++p) {
-        const float* P = &p_[R * wide * at(p)];
+        const float* P = &p_[6 * R * at(p)];
         // Columns ascend: those of the upper triangle come last.
         for (std::int32_t k = last; k-- > first && ap_column_[at(k)] >= p_column_[at(p)];) {
           double* to = &sum_[6 * wide * at(*target++)];
@@ -189,7 +189,7 @@ class MultigridLevel : public MultigridCycle<R> {
           for (std::size_t b = 0; b < R; ++b) ap[b] = Row::load(&row_[R * wide * at(k - first) + wide * b]);
           for (std::size_t c = 0; c < 6; ++c) {
             Row s = Row::load(to + wide * c);
-            for (std::size_t b = 0; b < R; ++b) s += Row(static_cast<double>(P[wide * b + c])) * ap[b];
+            for (std::size_t b = 0; b < R; ++b) s += Row(static_cast<double>(P[6 * b + c])) * ap[b];
             s.store(to + wide * c);
           }
         }
@@ -305,11 +305,12 @@ class MultigridLevel : public MultigridCycle<R> {
     }
   }
 
-  // to += A_k P, rows of eight
+  // to += A_k P; rows of eight, of which six count: those of P itself are six
   template <class S>
   static void add_product(const double* A, const S* P, double* to) {
     Row p[R];
-    for (std::size_t b = 0; b < R; ++b) p[b] = load(P + wide * b);
+    constexpr std::size_t stride = std::is_same_v<S, float> ? 6 : wide;
+    for (std::size_t b = 0; b < R; ++b) p[b] = load(P + stride * b);
     for (std::size_t a = 0; a < R; ++a) {
       Row s = Row::load(to + wide * a);
       for (std::size_t b = 0; b < R; ++b) s += Row(A[R * a + b]) * p[b];
@@ -350,8 +351,7 @@ class MultigridLevel : public MultigridCycle<R> {
             s -= Row(omega * inverse_[entries * i + R * a + b]) * Row::load(from + wide * b);
           double result[wide];
           s.store(result);
-          for (std::size_t c = 0; c < wide; ++c)
-            p_[R * wide * at(p) + wide * a + c] = static_cast<float>(result[c]);
+          for (std::size_t c = 0; c < 6; ++c) p_[6 * (R * at(p) + a) + c] = static_cast<float>(result[c]);
         }
       }
     }
