@@ -134,21 +134,21 @@ class MultigridLevel : public MultigridCycle<R> {
     residual_.resize(lanes * size(), 0.0F);
     lower_start_.resize(size());
     upper_start_.resize(size());
-    std::int32_t to = 0;
-    const auto copy = [&](std::int32_t first, std::int32_t last) {
+    const double per_unit = 1 / unit;
+    std::int32_t lower = 0, upper = 0;
+    for (std::size_t i = 0; i < size(); ++i) upper += diagonal[i] - start[i];
+    const auto copy = [&](std::int32_t first, std::int32_t last, std::int32_t& to) {
       for (std::int32_t k = first; k < last; ++k, ++to)
         for (std::size_t b = 0; b < R; ++b)
           for (std::size_t a = 0; a < R; ++a)
             single_[entries * at(to) + R * b + a] =
-                static_cast<float>(values[entries * at(k) + R * a + b] / unit);
+                static_cast<float>(values[entries * at(k) + R * a + b] * per_unit);
     };
     for (std::size_t i = 0; i < size(); ++i) {
-      lower_start_[i] = to;
-      copy(start[i], diagonal[i]);
-    }
-    for (std::size_t i = 0; i < size(); ++i) {
-      upper_start_[i] = to;
-      copy(diagonal[i] + 1, start[i + 1]);
+      lower_start_[i] = lower;
+      upper_start_[i] = upper;
+      copy(start[i], diagonal[i], lower);
+      copy(diagonal[i] + 1, start[i + 1], upper);
     }
     for (std::size_t i = 0; i < size(); ++i) {
       const Block D = Eigen::Map<const Block>(&values[entries * at(diagonal[i])]);
