@@ -106,7 +106,8 @@ def recovery(rows):
     axes.text(len(starts) / 2, len(names) + 0.8, "three nodes held", ha="center")
     axes.text((len(starts) + len(columns)) / 2, len(names) + 0.8, "six components held", ha="center")
     axes.set_title("Back to rest from tangled, flat and inverted starts. Green: always, with the median number of "
-                   "Newton iterations.\nOrange: another equilibrium. Grey: not converged, or refused as not finite.",
+                   "Newton iterations.\nOrange: another equilibrium, red: one with inverted elements, which the status says. Purple: a saddle, which the"
+                   " status says.\nGrey: not converged, or refused as not finite.",
                    loc="left", fontsize=9.5)
     return figure
 
