@@ -64,7 +64,8 @@ inline constexpr const char* help =
     "Results in DIR: deform.pvd and deform_*.vtu for ParaView, deform.png, summary.json.\n"
     "Exit code: 0 converged; 1 the results cannot be written; 2 bad input, nothing is written; 3 a step did "
     "not converge,\n"
-    "is not finite, or makes energy out of nothing: what was written until then stays readable.\n";
+    "is not finite, turns elements inside out or makes energy out of nothing: what was written until then\n"
+    "stays readable.\n";
 
 /// Elastic parameters of one region.
 struct RegionParameters {

@@ -217,6 +217,9 @@ const Failure failures[] = {
      soft + "--material neo-hookean --newton --pull xmax:1e8,0,0 --steps 3 --dt 0.01", "not_converged"},
     {"static_with_a_huge_load", soft + "--material neo-hookean --static --pull xmax:1e7,0,0",
      "not_converged"},
+    // St. Venant-Kirchhoff softens under pressure
+    {"equilibrium_inside_out", DEFORM_ORGAN + held + "--gravity 0,0,-100 --material svk --static",
+     "inverted"},
     {"load_that_overflows", soft + "--material neo-hookean --static --pull xmax:1e300,0,0", "not_finite"},
 };
 
