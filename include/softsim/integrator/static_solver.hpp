@@ -20,7 +20,8 @@ struct LoadSteps {
 
 /// Static equilibrium by Newton's method, under the full load at once or in steps that are cut back where it
 /// does not converge. An equilibrium with inverted elements, which laws that are finite there have (St.
-/// Venant-Kirchhoff under compression), gets the status `inverted`, and load steps stay clear of it. Loads
+/// Venant-Kirchhoff under compression), gets the status `inverted`; load steps stay clear of it, and end with
+/// `not_converged` where that is not possible. Loads
 /// from outside and prescribed displacements grow together, from nothing and from where they are.
 template <class S, class Operator = Assembled,
           template <class> class Preconditioner = DefaultPreconditioner<Operator>::template type,
@@ -87,13 +88,14 @@ class StaticSolver {
       total.newton_iterations += report.newton_iterations;
       total.linear_iterations += report.linear_iterations;
       total.residual = report.residual;
-      total.inverted = report.inverted;
       if (report.status == Status::converged) {
         q.displacement.swap(trial_.displacement);
         reached_ = next;
         part = std::min(2 * part, 1.0 / load.steps);
       } else if ((part /= 2) < load.smallest) {
-        return detail::ended(total, report.status, report.reason);
+        // q is upright, but not in equilibrium with all of the load
+        const Status status = report.status == Status::inverted ? Status::not_converged : report.status;
+        return detail::ended(total, status, report.reason);
       }
     }
     return detail::ended(total, Status::converged, "");

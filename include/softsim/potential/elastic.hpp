@@ -71,7 +71,7 @@ requires Kinematics<K> &&(Material<M> || MaterialField<M>)struct Elastic {
     return K::volume(shape(data)) * law(data).energy_density(K::deformation_gradient(shape(data), u));
   }
 
-  /// det F.
+  /// det F, the ratio of the volumes.
   template <class T>
   [[nodiscard]] T volume_ratio(const Data<T>& data, const Local<T, points>& u) const {
     return determinant(Mat3<T>(K::deformation_gradient(shape(data), u)));

@@ -44,7 +44,9 @@ struct Stored<Remembered<D, T>> {
 template <class E, class T, int N>
 class ElementChunks {
  public:
+  /// N numbers side by side.
   using Value = Lanes<T, N>;
+  /// What a stencil's rest shape determines, as it is given at construction.
   using RestData = typename detail::Stored<typename E::template Data<double>>::Rest;
   /// Number of blocks in a stencil.
   static constexpr int blocks = E::points;

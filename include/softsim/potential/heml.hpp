@@ -63,7 +63,7 @@ struct Heml {
     return data.volume * law.density(Shape<T>(data, edges(x)).i);
   }
 
-  /// J.
+  /// det F = det(e) / (6 V), the ratio of the volumes.
   template <class T>
   [[nodiscard]] T volume_ratio(const Data<T>& data, const Local<T, 4>& x) const {
     return data.inverse_det * determinant(edges(x));

@@ -54,7 +54,7 @@ class MultigridCycle {
       Eight dot[R];
       for (std::size_t c = 0; c < R; ++c) dot[c] = Eight(0);
       for (std::int32_t p = p_start_[i]; p < p_start_[i + 1]; ++p) {
-        const auto e = Eight::load(&next.x[8 * at(p_column_[at(p)])]);
+        const auto e = Eight::load(&next.x[wide * at(p_column_[at(p)])]);
         for (std::size_t c = 0; c < R; ++c) dot[c] += Eight::load(&p_[6 * (R * at(p) + c)]) * e;
       }
       for (std::size_t c = 0; c < R; ++c) {

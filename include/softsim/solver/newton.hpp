@@ -33,7 +33,7 @@ struct NewtonOptionsFor {
   bool frozen = false;      ///< one tangent for all solves, until `refresh`
   bool verify_minimum = false;  ///< look for negative curvature before converged is said
   /// A step that would invert an element of a state without inverted ones is shortened, as laws that are
-  /// infinite there make it: for laws that soften in compression (St. Venant-Kirchhoff).
+  /// infinite there make it: for laws that soften in compression (St. Venant-Kirchhoff). Needs line_search.
   bool refuse_inversion = false;
 };
 /// Options of `Newton` with conjugate gradients.
