@@ -63,17 +63,37 @@ concept Material = requires(const M& m, const Mat3<T>& F, const Mat3<T>& dF) {
 
 // ---------------------------------------------------------------- stencils
 
-/// Values of the unknowns of one stencil: displacements of its points in m.
-template <class T, int P>
+/// A frame as a stencil sees it: displacement of its origin in m, and rotation from rest.
+template <class T>
+struct FrameValue {
+  Vec3<T> displacement;
+  Mat3<T> turn;  ///< R - I
+};
+/// Values of the unknowns of one stencil: displacements of its P points in m, and its Q frames.
+template <class T, int P, int Q = 0>
 struct Local {
   std::array<Vec3<T>, P> points;
+  std::array<FrameValue<T>, Q> frames;
 };
+template <class T, int P>
+struct Local<T, P, 0> {
+  std::array<Vec3<T>, P> points;
+};
+/// Number of frames that E works on, which it declares as `frames` if there are any.
+template <class E>
+inline constexpr int frames_of = [] {
+  if constexpr (requires { E::frames; })
+    return E::frames;
+  else
+    return 0;
+}();
 /// Values of the unknowns that E (a kinematics or a local potential) works on.
 template <class E, class T>
-using Unknowns = Local<T, E::points>;
-/// Increments of those unknowns, or forces on them.
+using Unknowns = Local<T, E::points, frames_of<E>>;
+/// Increments of those unknowns, or forces on them: three for a point; three in space and three in the axes
+/// of the body for a frame.
 template <class E, class T>
-using Tangent = Eigen::Matrix<T, 3 * E::points, 1>;
+using Tangent = Eigen::Matrix<T, 3 * E::points + 6 * frames_of<E>, 1>;
 
 /// One integration point: unknowns -> deformation gradient, and the pull-back of a stress to forces, B^T P.
 /// `Data<T>` holds what the rest shape determines, as scalars of type T only.

@@ -5,7 +5,8 @@
 // What a program with linear tetrahedra needs. Each header below also stands alone. Include by name, where they are
 // used: io/; hexahedra and ten-node tetrahedra (potential/quadrature.hpp with their meshes in mesh/); averaged nodal
 // volumes (potential/nodal_volume.hpp); mass tensors and the paper's form of HEML (potential/mass_tensor.hpp,
-// potential/edge_lengths.hpp). Every program would wait for their compilation.
+// potential/edge_lengths.hpp); frames (mesh/frame_nodes.hpp, kinematics/frame_body.hpp, potential/frame_elastic.hpp and
+// frame_loads.hpp, a shape function out of kinematics/). Every program would wait for their compilation.
 
 #include "softsim/concepts.hpp"
 #include "softsim/core/batch.hpp"

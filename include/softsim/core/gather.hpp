@@ -230,6 +230,21 @@ template <class T, int N>
   }
 }
 
+/// All four scalars of the blocks with the given numbers: the quaternions of frames.
+template <class T, int N>
+[[nodiscard, gnu::always_inline]] inline Eigen::Matrix<Lanes<T, N>, 4, 1> gather_whole_blocks(
+    const T* base, const BlockIds<N>& ids) {
+  if constexpr (N == 1) {
+    const T* p = base + block_stride * static_cast<std::ptrdiff_t>(ids[0]);
+    return {p[0], p[1], p[2], p[3]};
+  } else {
+    Batch<T, N> r[4];
+    simd_detail::load_blocks(base, ids.data(), r);
+    simd_detail::transpose(r);
+    return {r[0], r[1], r[2], r[3]};
+  }
+}
+
 /// Adds lane l of v to block ids[l] of the flat vector at `base`, for the first `count` lanes, in the order
 /// of the lanes: a block may occur several times.
 template <class T, int N>

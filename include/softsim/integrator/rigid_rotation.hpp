@@ -82,7 +82,8 @@ class EnergyMomentumRotation {
       if (report.newton_iterations == options_.max_newton_iterations)
         return detail::ended(report, Status::not_converged, "rigid rotation: too many iterations");
       last = size;
-      const Mat3<double> slope = 2 / h * J_ - back * skew(p) * left_jacobian(t);
+      // The left Jacobian of t: exp([t + dt]x) = exp([J dt]x) exp([t]x) to first order.
+      const Mat3<double> slope = 2 / h * J_ - back * skew(p) * rotation_jacobian(Vec3<double>(-t));
       t -= slope.fullPivLu().solve(residual);
     }
     body.orientation = body.orientation * rotation_exponential(t);
@@ -92,17 +93,6 @@ class EnergyMomentumRotation {
   }
 
  private:
-  // dexp: exp([t + dt]x) = exp([left_jacobian(t) dt]x) exp([t]x) to first order.
-  static Mat3<double> left_jacobian(const Vec3<double>& t) {
-    const double angle2 = t.squaredNorm(), angle = std::sqrt(angle2);
-    const bool tiny = angle2 < 1e-6;  // what is dropped is below 1e-14
-    const double half = tiny ? 0 : std::sin(angle / 2) / angle;
-    const double a = tiny ? 0.5 - angle2 / 24 : 2 * half * half;
-    const double b = tiny ? 1.0 / 6 - angle2 / 120 : (angle - std::sin(angle)) / (angle2 * angle);
-    const Mat3<double> K = skew(t);
-    return Mat3<double>::Identity() + a * K + b * (K * K);
-  }
-
   Mat3<double> J_;
   EnergyMomentumRotationOptions options_;
 };

@@ -22,14 +22,34 @@ class DeadLoad {
   static constexpr bool external = true;
   static constexpr bool has_hessian = false;
 
-  /// No force on any of `points` points.
-  explicit DeadLoad(std::size_t points)
-      : force_(Vector<T>::Zero(block_stride * static_cast<std::ptrdiff_t>(points))) {}
+  /// No force on any of the points and frames.
+  explicit DeadLoad(std::size_t points, std::size_t frames = 0)
+      : force_(Vector<T>::Zero(block_stride * static_cast<std::ptrdiff_t>(points + 2 * frames))),
+        frames_(static_cast<std::ptrdiff_t>(frames)) {}
+
+  /// Adds the force f in N on the origin of one frame. Forces on what frames carry: see `FrameLoad`.
+  /// @throws std::invalid_argument if the frame does not exist or the force is not finite
+  DeadLoad& add_to_frame(std::int32_t frame, const Vec3<double>& f) {
+    if (frame < 0 || frame >= frames_)
+      invalid(std::string("load on frame ") + std::to_string(frame) + ": out of range");
+    if (!f.allFinite())
+      invalid(std::string("load on frame ") + std::to_string(frame) + ": not a finite force");
+    block(force_, points() + 2 * frame) += f.template cast<T>();
+    return *this;
+  }
+  /// Makes room for frames that no force of this load acts on, as a system has them beside its points.
+  DeadLoad& with_frames(std::size_t frames) {
+    const std::ptrdiff_t count = points();
+    frames_ = static_cast<std::ptrdiff_t>(frames);
+    force_.conservativeResize(block_stride * (count + 2 * frames_));
+    force_.tail(force_.size() - block_stride * count).setZero();
+    return *this;
+  }
 
   /// Adds the force f in N on one point.
   /// @throws std::invalid_argument if the point does not exist or the force is not finite
   DeadLoad& add(std::int32_t point, const Vec3<double>& f) {
-    if (point < 0 || point >= force_.size() / block_stride)
+    if (point < 0 || point >= points())
       invalid(std::string("load on node ") + std::to_string(point) + ": out of range");
     if (!f.allFinite())
       invalid(std::string("load on node ") + std::to_string(point) + ": not a finite force");
@@ -45,7 +65,7 @@ class DeadLoad {
     return *this;
   }
 
-  /// Forces, N: one block per point.
+  /// Forces, N: one block per point, two per frame, the second zero.
   [[nodiscard]] const Vector<T>& force() const { return force_; }
 
   /// -f . u, J.
@@ -56,7 +76,10 @@ class DeadLoad {
   void add_hessian_product(const State<T>&, const Vector<T>&, Vector<T>&) const {}
 
  private:
+  [[nodiscard]] std::ptrdiff_t points() const { return force_.size() / block_stride - 2 * frames_; }
+
   Vector<T> force_;
+  std::ptrdiff_t frames_ = 0;
 };
 
 /// Weight of a body: int rho N_i g dV on each node, for linear tetrahedra a quarter of each one's rho V g.

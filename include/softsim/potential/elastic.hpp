@@ -57,7 +57,7 @@ struct FilteredBlocks {
 /// Elastic energy of one integration point: V psi(F), with any kinematics and any material.
 template <class K, class M>
 requires Kinematics<K> &&(Material<M> || MaterialField<M>)struct Elastic {
-  static constexpr int points = K::points;
+  static constexpr int points = K::points, frames = frames_of<K>;
   static constexpr bool translation_invariant = requires { requires K::translation_invariant; };
   /// That of the kinematics, and with it that of a material field.
   template <class T>
@@ -67,20 +67,19 @@ requires Kinematics<K> &&(Material<M> || MaterialField<M>)struct Elastic {
 
   /// V psi(F), J.
   template <class T>
-  [[nodiscard]] T energy(const Data<T>& data, const Local<T, points>& u) const {
+  [[nodiscard]] T energy(const Data<T>& data, const Unknowns<K, T>& u) const {
     return K::volume(shape(data)) * law(data).energy_density(K::deformation_gradient(shape(data), u));
   }
 
   /// det F, the ratio of the volumes.
   template <class T>
-  [[nodiscard]] T volume_ratio(const Data<T>& data, const Local<T, points>& u) const {
+  [[nodiscard]] T volume_ratio(const Data<T>& data, const Unknowns<K, T>& u) const {
     return determinant(Mat3<T>(K::deformation_gradient(shape(data), u)));
   }
 
   /// V B^T P(F), N.
   template <class T>
-  [[nodiscard]] Eigen::Matrix<T, 3 * points, 1> gradient(const Data<T>& data,
-                                                         const Local<T, points>& u) const {
+  [[nodiscard]] Tangent<K, T> gradient(const Data<T>& data, const Unknowns<K, T>& u) const {
     Mat3<T> P = law(data).first_piola(K::deformation_gradient(shape(data), u));
     P *= K::volume(shape(data));
     return K::pullback(shape(data), u, P);
@@ -88,13 +87,13 @@ requires Kinematics<K> &&(Material<M> || MaterialField<M>)struct Elastic {
 
   /// V B^T dP(F; B du), and the geometric product where F is not linear in the unknowns.
   template <class T>
-  [[nodiscard]] Eigen::Matrix<T, 3 * points, 1> hessian_product(
-      const Data<T>& data, const Local<T, points>& u, const Eigen::Matrix<T, 3 * points, 1>& du) const {
+  [[nodiscard]] Tangent<K, T> hessian_product(const Data<T>& data, const Unknowns<K, T>& u,
+                                              const Tangent<K, T>& du) const {
     const auto& rest = shape(data);
     const Mat3<T> F = K::deformation_gradient(rest, u);
     Mat3<T> dP = law(data).first_piola_differential(F, K::deformation_gradient_differential(rest, u, du));
     dP *= K::volume(rest);
-    Eigen::Matrix<T, 3 * points, 1> df = K::pullback(rest, u, dP);
+    Tangent<K, T> df = K::pullback(rest, u, dP);
     if constexpr (NonlinearKinematics<K, T>) {
       Mat3<T> P = law(data).first_piola(F);
       P *= K::volume(rest);
@@ -105,9 +104,8 @@ requires Kinematics<K> &&(Material<M> || MaterialField<M>)struct Elastic {
 
   /// V B^T P with the `discrete_stress` between two states, N.
   template <class T>
-  [[nodiscard]] Eigen::Matrix<T, 3 * points, 1> discrete_gradient(const Data<T>& data,
-                                                                  const Local<T, points>& u_0,
-                                                                  const Local<T, points>& u_1) const
+  [[nodiscard]] Tangent<K, T> discrete_gradient(const Data<T>& data, const Unknowns<K, T>& u_0,
+                                                const Unknowns<K, T>& u_1) const
       requires(!NonlinearKinematics<K, T>) {
     const auto& rest = shape(data);
     Mat3<T> P = discrete_stress(law(data), Mat3<T>(K::deformation_gradient(rest, u_0)),
@@ -118,16 +116,16 @@ requires Kinematics<K> &&(Material<M> || MaterialField<M>)struct Elastic {
 
   /// The law's own linearisation at F, for a law that has one worth keeping.
   template <class T>
-  [[nodiscard]] auto linearise(const Data<T>& data, const Local<T, points>& u) const
+  [[nodiscard]] auto linearise(const Data<T>& data, const Unknowns<K, T>& u) const
       requires(!NonlinearKinematics<K, T> && requires(const Mat3<T>& F) { material.linearise(F); }) {
     return material.linearise(K::deformation_gradient(shape(data), u));
   }
   /// V B^T dP(B du) with dP from that linearisation.
   template <class T, class Linearisation>
-  [[nodiscard]] Eigen::Matrix<T, 3 * points, 1> linearised_product(
-      const Data<T>& data, const Linearisation& at, const Eigen::Matrix<T, 3 * points, 1>& du) const {
+  [[nodiscard]] Tangent<K, T> linearised_product(const Data<T>& data, const Linearisation& at,
+                                                 const Tangent<K, T>& du) const {
     const auto& rest = shape(data);
-    Local<T, points> any;  // linear kinematics do not look at it
+    Unknowns<K, T> any;  // linear kinematics do not look at it
     for (auto& p : any.points) p.setZero();
     Mat3<T> dP = at(K::deformation_gradient_differential(rest, any, du));
     dP *= K::volume(rest);
@@ -136,7 +134,7 @@ requires Kinematics<K> &&(Material<M> || MaterialField<M>)struct Elastic {
 
   /// What the blocks of the Hessian are made of, for an isotropic law on linear tetrahedra.
   template <class T>
-  [[nodiscard]] IsotropicBlocks<M, T> block_form(const Data<T>& data, const Local<T, points>& u) const
+  [[nodiscard]] IsotropicBlocks<M, T> block_form(const Data<T>& data, const Unknowns<K, T>& u) const
       requires(std::is_same_v<K, LinearTetrahedron>&& InvariantLaw<M>) {
     const Mat3<T> F = K::deformation_gradient(data, u), c = cofactor(F);
     const auto& g = data.gradient;
@@ -157,7 +155,7 @@ requires Kinematics<K> &&(Material<M> || MaterialField<M>)struct Elastic {
   }
   /// The same for a filtered isotropic law: in principal axes where the filter may have something to do.
   template <class T>
-  [[nodiscard]] auto block_form(const Data<T>& data, const Local<T, points>& u) const
+  [[nodiscard]] auto block_form(const Data<T>& data, const Unknowns<K, T>& u) const
       requires(std::is_same_v<K, LinearTetrahedron>&& requires(const Mat3<T>& F, const Vec3<T>& p) {
         { material.surely_unfiltered(F) } -> std::same_as<bool>;
         material.linearise(F).block_of_turned(p, p);

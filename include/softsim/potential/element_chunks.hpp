@@ -48,9 +48,9 @@ class ElementChunks {
   using Value = Lanes<T, N>;
   /// What a stencil's rest shape determines, as it is given at construction.
   using RestData = typename detail::Stored<typename E::template Data<double>>::Rest;
-  /// Number of blocks in a stencil.
-  static constexpr int blocks = E::points;
-  /// Block numbers of one stencil.
+  /// Number of blocks in a stencil: one a point, two a frame.
+  static constexpr int blocks = E::points + 2 * frames_of<E>;
+  /// Block numbers of one stencil: those of its points, and the two of each frame.
   using Stencil = std::array<std::int32_t, blocks>;
 
   /// Number of stencils.
@@ -92,9 +92,10 @@ class ElementChunks {
  protected:
   using Data = typename E::template Data<Value>;
   static constexpr bool remembers = detail::Stored<Data>::remembers;
+  static constexpr std::size_t points = E::points, frames = frames_of<E>;
   struct Chunk {
     typename detail::Stored<Data>::Rest data;
-    std::array<BlockIds<N>, blocks> ids;
+    std::array<BlockIds<N>, points + frames> ids;  // of points, and first ones of frames
   };
   static constexpr std::size_t lanes = static_cast<std::size_t>(N), removed = static_cast<std::size_t>(-1);
   // Long enough that its own overhead and the blocks it shares with others do not count, short enough that a
@@ -124,6 +125,11 @@ class ElementChunks {
           if (stencils[e][i] == stencils[e][j])
             invalid(std::string("element ") + std::to_string(e) + ": node " + std::to_string(stencils[e][i]) +
                     " occurs twice");
+    for (std::size_t e = 0; e < stencils.size(); ++e)
+      for (std::size_t i = points; i < blocks; i += 2)
+        if (stencils[e][i + 1] != stencils[e][i] + 1)
+          invalid(std::string("element ") + std::to_string(e) + ": block " + std::to_string(stencils[e][i]) +
+                  " is followed by block " + std::to_string(stencils[e][i + 1]) + ", which is no frame");
     std::vector<std::vector<std::size_t>> members(models_.size());
     for (std::size_t e = 0; e < stencils.size(); ++e) {
       const std::int32_t m = model_index.empty() ? 0 : model_index[e];
@@ -227,7 +233,8 @@ class ElementChunks {
     for (std::size_t i = 0; i < numbers; ++i)
       set_lane(values[i], static_cast<int>(place % lanes), static_cast<T>(rest[i]));
     std::memcpy(static_cast<void*>(&chunk.data), static_cast<const void*>(values.data()), sizeof(values));
-    for (std::size_t i = 0; i < blocks; ++i) chunk.ids[i][place % lanes] = stencil[i];
+    for (std::size_t i = 0; i < points; ++i) chunk.ids[i][place % lanes] = stencil[i];
+    for (std::size_t j = 0; j < frames; ++j) chunk.ids[points + j][place % lanes] = stencil[points + 2 * j];
   }
   [[nodiscard]] std::array<double, numbers> rest_data(std::size_t place) const {
     std::array<Value, numbers> values;
@@ -240,7 +247,12 @@ class ElementChunks {
   }
   [[nodiscard]] Stencil stencil(std::size_t place) const {
     Stencil s;
-    for (std::size_t i = 0; i < blocks; ++i) s[i] = chunks_[place / lanes].ids[i][place % lanes];
+    const auto& ids = chunks_[place / lanes].ids;
+    for (std::size_t i = 0; i < points; ++i) s[i] = ids[i][place % lanes];
+    for (std::size_t j = 0; j < frames; ++j) {
+      s[points + 2 * j] = ids[points + j][place % lanes];
+      s[points + 2 * j + 1] = s[points + 2 * j] + 1;
+    }
     return s;
   }
 

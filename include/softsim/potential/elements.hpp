@@ -55,8 +55,8 @@ concept Linearisable = requires(const E& e, const typename E::template Data<T>& 
 template <class E, class T = double, int N = default_lanes<T>>
 class Elements : ElementChunks<E, T, N> {
   using Store = ElementChunks<E, T, N>;
-  using Store::chunks_, Store::data_of, Store::for_each_stretch, Store::lanes, Store::models_,
-      Store::stretches_;
+  using Store::chunks_, Store::data_of, Store::for_each_stretch, Store::frames, Store::lanes, Store::models_,
+      Store::points, Store::stretches_;
   using typename Store::Stretch;
 
  public:
@@ -287,24 +287,45 @@ class Elements : ElementChunks<E, T, N> {
     if constexpr (translation_invariant)
       gather_relative<T, N>(from, chunk.ids, u.points);
     else
-      for (std::size_t i = 0; i < blocks; ++i) u.points[i] = gather_blocks<T, N>(from, chunk.ids[i]);
+      for (std::size_t i = 0; i < points; ++i) u.points[i] = gather_blocks<T, N>(from, chunk.ids[i]);
+    for (std::size_t j = 0; j < frames; ++j) {
+      const BlockIds<N>& ids = chunk.ids[points + j];
+      u.frames[j].displacement = gather_blocks<T, N>(from, ids);
+      u.frames[j].turn = rotation_less_identity<Value>(gather_whole_blocks<T, N>(from + block_stride, ids));
+    }
     return u;
   }
   static Tangent<E, Value> gather_tangent(const Chunk& chunk, const T* from) {
-    const Unknowns<E, Value> u = gather(chunk, from);
     Tangent<E, Value> d;
-    for (int i = 0; i < blocks; ++i) d.template segment<3>(3 * i) = u.points[static_cast<std::size_t>(i)];
+    if constexpr (translation_invariant) {
+      const Unknowns<E, Value> u = gather(chunk, from);
+      for (std::size_t i = 0; i < points; ++i) d.template segment<3>(3 * static_cast<int>(i)) = u.points[i];
+    } else {
+      for_each_block(chunk, [&](int i, const BlockIds<N>& ids, int rotational) {
+        d.template segment<3>(3 * i) = gather_blocks<T, N>(from + rotational, ids);
+      });
+    }
     return d;
+  }
+  // Calls f(block of the stencil, ids, how far the flat vector is to be shifted) for points, and twice for
+  // frames: their rotational blocks follow the others.
+  template <class Function>
+  static void for_each_block(const Chunk& chunk, Function f) {
+    for (std::size_t i = 0; i < points; ++i) f(static_cast<int>(i), chunk.ids[i], 0);
+    for (std::size_t j = 0; j < frames; ++j) {
+      f(static_cast<int>(points + 2 * j), chunk.ids[points + j], 0);
+      f(static_cast<int>(points + 2 * j + 1), chunk.ids[points + j], block_stride);
+    }
   }
 
   static void scatter(const Chunk& chunk, int count, const Tangent<E, Value>& f, T* y) {
     if constexpr (translation_invariant) {
       scatter_add_balanced<T, N>(y, chunk.ids, f.data(), count);
     } else {
-      for (int i = 0; i < blocks; ++i) {
+      for_each_block(chunk, [&](int i, const BlockIds<N>& ids, int rotational) {
         const Vec3<Value> part = f.template segment<3>(3 * i);
-        scatter_add_blocks<T, N>(y, chunk.ids[static_cast<std::size_t>(i)], part, count);
-      }
+        scatter_add_blocks<T, N>(y + rotational, ids, part, count);
+      });
     }
   }
 

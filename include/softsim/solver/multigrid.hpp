@@ -128,11 +128,17 @@ class Multigrid {
     double radius = 0;
     for (const Vec3<double>& X : a.rest()) radius = std::max(radius, (X - centre).norm());
     finest_.modes.assign(18 * n, 0.0);
+    const double scale = radius > 0 ? radius : 1.0;
+    const std::size_t points = n - 2 * a.frames();
     for (std::size_t i = 0; i < n; ++i) {
-      const Vec3<double> X = (a.rest()[i] - centre) / (radius > 0 ? radius : 1.0);
+      const Vec3<double> X = (a.rest()[i] - centre) / scale;
       Eigen::Map<Eigen::Matrix<double, 3, 6, Eigen::RowMajor>> modes(&finest_.modes[18 * i]);
-      modes.leftCols<3>().setIdentity();
-      modes.rightCols<3>() << 0, X[2], -X[1], -X[2], 0, X[0], X[1], -X[0], 0;
+      if (i < points || (i - points) % 2 == 0) {
+        modes.leftCols<3>().setIdentity();
+        modes.rightCols<3>() << 0, X[2], -X[1], -X[2], 0, X[0], X[1], -X[0], 0;
+      } else {  // rotations of frames
+        modes.rightCols<3>() = Mat3<double>::Identity() / scale;
+      }
       modes = block(free, static_cast<std::ptrdiff_t>(i)).template cast<double>().asDiagonal() * modes.eval();
     }
   }

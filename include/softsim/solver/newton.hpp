@@ -225,7 +225,7 @@ class Newton {
 
   // True if the step x_ changes nothing in q but its rounding.
   bool below_rounding(const State<T>& q) const {
-    return norm(x_) <= 4 * static_cast<double>(std::numeric_limits<T>::epsilon()) * norm(q.displacement);
+    return norm(x_) <= 4 * static_cast<double>(std::numeric_limits<T>::epsilon()) * norm(q);
   }
 
   // Norm of a displacement of every node by the diagonal of the body's bounding box, m.

@@ -55,57 +55,118 @@ class Jacobi {
   std::string trouble_;
 };
 
-/// z_i = A_ii^-1 r_i with the 3x3 diagonal blocks A_ii. A block that is not positive definite (a tangent far
-/// from a minimum) is replaced by the absolute values of its diagonal.
+/// z_i = A_ii^-1 r_i with the 3x3 diagonal blocks A_ii of points, the 6x6 blocks of frames. A block that is
+/// not positive definite (a tangent far from a minimum) is replaced by the absolute values of its diagonal.
 template <class T>
 class BlockJacobi {
  public:
-  /// Inverts the diagonal blocks of A, which offers `diagonal_blocks`, over the free components.
+  /// Inverts the diagonal blocks of A, which offers `diagonal_blocks` and, for frames, `frames` and
+  /// `frame_blocks`, over the free components.
   template <class A>
   void compute(const A& a, const Vector<T>& free) {
     a.diagonal_blocks(blocks_);
     inverse_.resize(12 * blocks_.size());
     trouble_.clear();
     for (std::size_t i = 0; i < blocks_.size(); ++i) {
-      const auto open = block(free, static_cast<std::ptrdiff_t>(i));
-      Mat3<T> D = open.asDiagonal() * blocks_[i] * open.asDiagonal();
-      D.diagonal() += Vec3<T>::Ones() - open;
-      const Mat3<T> c = cofactor(D);
-      const T det = D.col(0).dot(c.col(0));
+      blocks_[i] = masked(blocks_[i], free, i, i);
+      blocks_[i].diagonal() += Vec3<T>::Ones() - block(free, static_cast<std::ptrdiff_t>(i));
       Mat3<T> inverse;
-      if (D(0, 0) > T(0) && c(2, 2) > T(0) && det > T(0)) {
-        inverse = c.transpose() / det;
-      } else {
-        if (trouble_.empty())
-          trouble_ = std::string("node ") + std::to_string(i) + ": diagonal block is not positive definite";
-        inverse.setZero();
-        for (int k = 0; k < 3; ++k) inverse(k, k) = std::abs(D(k, k)) > T(0) ? 1 / std::abs(D(k, k)) : T(1);
+      if (!invert(blocks_[i], inverse)) {
+        refuse(i);
+        inverse = absolute_inverse(blocks_[i]);
       }
-      for (int k = 0; k < 3; ++k) {
-        T* column = &inverse_[12 * i + 4 * static_cast<std::size_t>(k)];
-        for (int row = 0; row < 3; ++row) column[row] = inverse(row, k);
-        column[3] = T(0);
-      }
+      store(inverse, &inverse_[12 * i]);
     }
+    frame_inverse_.clear();
+    if constexpr (requires { a.frame_blocks(couplings_); })
+      if (a.frames() > 0) compute_frames(a, free);
   }
   /// Applies it to r.
   void apply(const Vector<T>& r, Vector<T>& z) const {
-    for (std::ptrdiff_t i = 0; i < r.size() / block_stride; ++i)
+    const auto frames = static_cast<std::ptrdiff_t>(frame_inverse_.size() / 48),
+               points = r.size() / block_stride - 2 * frames;
+    for (std::ptrdiff_t i = 0; i < points; ++i)
       apply(i, r.data() + block_stride * i).store(&z[block_stride * i]);
+    for (std::ptrdiff_t j = 0; j < frames; ++j) {
+      const std::ptrdiff_t at = block_stride * (points + 2 * j);
+      const T *p = frame_inverse_.data() + 48 * j, *x = r.data() + at, *y = x + block_stride;
+      (product(p, x) + product(p + 12, y)).store(&z[at]);
+      (product(p + 24, x) + product(p + 36, y)).store(&z[at + block_stride]);
+    }
   }
-  /// A_ii^-1 times the three scalars at r.
+  /// A_ii^-1 times the three scalars at r, of the 3x3 block i, be it one of a frame.
   [[nodiscard]] Batch<T, 4> apply(std::ptrdiff_t i, const T* r) const {
-    using Four = Batch<T, 4>;
-    const T* p = inverse_.data() + 12 * i;
-    return Four::load(p) * Four(r[0]) + Four::load(p + 4) * Four(r[1]) + Four::load(p + 8) * Four(r[2]);
+    return product(inverse_.data() + 12 * i, r);
   }
 
   /// Names the first node whose block had to be replaced; empty if none had.
   [[nodiscard]] std::string_view trouble() const { return trouble_; }
 
  private:
-  std::vector<Mat3<T>> blocks_;
-  std::vector<T> inverse_;  // three columns of four per block
+  template <class A>
+  void compute_frames(const A& a, const Vector<T>& free) {
+    a.frame_blocks(couplings_);
+    const std::size_t points = blocks_.size() - 2 * couplings_.size();
+    frame_inverse_.resize(48 * couplings_.size());
+    for (std::size_t j = 0; j < couplings_.size(); ++j) {
+      const std::size_t i = points + 2 * j;
+      // [D B; B^T E]^-1 by way of S = E - B^T D^-1 B.
+      const Mat3<T> B = masked(couplings_[j], free, i, i + 1);
+      Mat3<T> D, S;
+      Mat3<T> tt, tr = Mat3<T>::Zero(), rr;
+      bool definite = invert(blocks_[i], D);
+      if (definite) definite = invert(Mat3<T>(blocks_[i + 1] - B.transpose() * D * B), S);
+      if (definite) {
+        tr = -D * B * S;
+        tt = D - tr * B.transpose() * D;
+        rr = S;
+      } else {
+        refuse(i);
+        tt = absolute_inverse(blocks_[i]);
+        rr = absolute_inverse(blocks_[i + 1]);
+      }
+      T* p = &frame_inverse_[48 * j];
+      store(tt, p);
+      store(tr, p + 12);
+      store(tr.transpose(), p + 24);
+      store(rr, p + 36);
+    }
+  }
+
+  static Mat3<T> masked(const Mat3<T>& A, const Vector<T>& free, std::size_t row, std::size_t column) {
+    return block(free, static_cast<std::ptrdiff_t>(row)).asDiagonal() * A *
+           block(free, static_cast<std::ptrdiff_t>(column)).asDiagonal();
+  }
+  // False if A is not positive definite.
+  static bool invert(const Mat3<T>& A, Mat3<T>& inverse) {
+    const Mat3<T> c = cofactor(A);
+    const T det = A.col(0).dot(c.col(0));
+    inverse = c.transpose() / det;
+    return A(0, 0) > T(0) && c(2, 2) > T(0) && det > T(0);
+  }
+  static Mat3<T> absolute_inverse(const Mat3<T>& A) {
+    Mat3<T> inverse = Mat3<T>::Zero();
+    for (int k = 0; k < 3; ++k) inverse(k, k) = std::abs(A(k, k)) > T(0) ? 1 / std::abs(A(k, k)) : T(1);
+    return inverse;
+  }
+  void refuse(std::size_t i) {
+    if (trouble_.empty())
+      trouble_ = std::string("node ") + std::to_string(i) + ": diagonal block is not positive definite";
+  }
+  // Three columns of four.
+  static void store(const Mat3<T>& A, T* p) {
+    for (int k = 0; k < 3; ++k) {
+      for (int row = 0; row < 3; ++row) p[4 * k + row] = A(row, k);
+      p[4 * k + 3] = T(0);
+    }
+  }
+  static Batch<T, 4> product(const T* p, const T* r) {
+    using Four = Batch<T, 4>;
+    return Four::load(p) * Four(r[0]) + Four::load(p + 4) * Four(r[1]) + Four::load(p + 8) * Four(r[2]);
+  }
+
+  std::vector<Mat3<T>> blocks_, couplings_;
+  std::vector<T> inverse_, frame_inverse_;
   std::string trouble_;
 };
 

@@ -146,7 +146,7 @@ class IncrementalPotential {
     if (q_0 != nullptr)
       system.add_external_gradient(*q_0, product_);
     else
-      system.add_external_gradient(State<T>(system.rest().size()), product_);
+      system.add_external_gradient(system.rest_state(), product_);
     system.prescribed.mask(product_);
     external_ = norm(product_);
     if (terms == nullptr) return;

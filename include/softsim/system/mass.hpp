@@ -23,10 +23,10 @@ namespace softsim {
 template <class T>
 class Mass {
  public:
-  /// No mass on any of `points` points.
-  explicit Mass(std::size_t points = 0)
-      : diagonal_(Vector<T>::Zero(block_stride * static_cast<std::ptrdiff_t>(points))),
-        row_start_(points + 1, 0) {}
+  /// No mass on any of the points and frames.
+  explicit Mass(std::size_t points = 0, std::size_t frames = 0)
+      : diagonal_(Vector<T>::Zero(block_stride * static_cast<std::ptrdiff_t>(points + 2 * frames))),
+        row_start_(points + 2 * frames + 1, 0) {}
 
   /// Lumped mass.
   /// @param density kg/m^3, one per element

@@ -12,15 +12,16 @@
 
 namespace softsim {
 
-/// Which components of which points are prescribed, and the displacement that each has to reach by the end of
-/// the next step (or of the static solve). A fixed component is one prescribed to 0.
+/// Which components of which points and frames are prescribed, and the displacement or rotation that each has
+/// to reach by the end of the next step (or of the static solve). A fixed component is one prescribed to 0.
 template <class T>
 class Prescribed {
  public:
-  /// Nothing prescribed on `points` points.
-  explicit Prescribed(std::size_t points)
-      : free_(Vector<T>::Zero(block_stride * static_cast<std::ptrdiff_t>(points))), target_(free_) {
-    for (std::ptrdiff_t i = 0; i < static_cast<std::ptrdiff_t>(points); ++i) block(free_, i).setOnes();
+  /// Nothing prescribed on any of the points and frames.
+  explicit Prescribed(std::size_t points, std::size_t frames = 0)
+      : free_(Vector<T>::Zero(block_stride * static_cast<std::ptrdiff_t>(points + 2 * frames))),
+        target_(points, frames) {
+    for (std::ptrdiff_t i = 0; i < free_.size() / block_stride; ++i) block(free_, i).setOnes();
   }
 
   /// Prescribes the displacement of a point in m; call again to move it on.
@@ -34,7 +35,7 @@ class Prescribed {
     if (!(std::abs(displacement) <= 1e300))
       invalid(std::string("node ") + std::to_string(point) + ": prescribed displacement is not finite");
     free_[k] = T(0);
-    target_[k] = static_cast<T>(displacement);
+    target_.displacement[k] = static_cast<T>(displacement);
   }
   /// Fixes points at rest.
   void fix(const std::vector<std::int32_t>& points) {
@@ -45,43 +46,100 @@ class Prescribed {
     for (int axis = 0; axis < 3; ++axis) free_[index(point, axis)] = T(1);
   }
 
+  /// Prescribes displacement in m and rotation from rest of a frame.
+  /// @throws std::invalid_argument if it does not exist, the displacement is not finite, or the quaternion's
+  ///   norm is off 1 by more than 1e-6
+  void set_frame(std::int32_t frame, const Vec3<double>& displacement,
+                 const UnitQuaternion<double>& rotation) {
+    const std::int32_t first = first_block(frame);
+    set(first, displacement);
+    set_rotation(frame, rotation);
+  }
+  /// Prescribes the rotation of a frame from rest.
+  void set_rotation(std::int32_t frame, const UnitQuaternion<double>& rotation) {
+    const std::int32_t first = first_block(frame);
+    if (!(std::abs(rotation.norm() - 1) <= 1e-6))
+      invalid(std::string("prescribed frame ") + std::to_string(frame) + ": quaternion of norm " +
+              to_text(rotation.norm()) + ", it has to be 1");
+    block(free_, first + 1).setZero();
+    target_.quaternion(frame) = rotation.normalized().template cast<T>();
+  }
+  /// Prescribes one component of the rotation (axis 0, 1 or 2 of the body): that of the rotation vector from
+  /// the frame's rotation to its target, which is no rotation unless it was set before. Two of them held make
+  /// a hinge about the third.
+  void hold_rotation(std::int32_t frame, int axis) {
+    if (axis < 0 || axis > 2) invalid(std::string("axis ") + std::to_string(axis) + ": must be 0, 1 or 2");
+    block(free_, first_block(frame) + 1)[axis] = T(0);
+  }
+  /// Fixes frames at rest.
+  void fix_frames(const std::vector<std::int32_t>& frames) {
+    for (const std::int32_t j : frames) set_frame(j, Vec3<double>::Zero(), {0, 0, 0, 1});
+  }
+  /// Number of the first block of a frame, its displacement: what `set` takes for single components of it.
+  /// @throws std::invalid_argument if it does not exist
+  [[nodiscard]] std::int32_t first_block(std::int32_t frame) const {
+    if (frame < 0 || frame >= target_.frames())
+      invalid(std::string("prescribed frame ") + std::to_string(frame) + ": out of range (there are " +
+              std::to_string(target_.frames()) + ")");
+    return static_cast<std::int32_t>(target_.frame_block(frame));
+  }
+
   /// 1 for a free component, 0 for a prescribed one and for the fourth scalar of a block.
   [[nodiscard]] const Vector<T>& free() const { return free_; }
   /// Displacement to reach, m; meaningful where a component is prescribed.
-  [[nodiscard]] const Vector<T>& target() const { return target_; }
+  [[nodiscard]] const Vector<T>& target() const { return target_.displacement; }
   /// True if this component is prescribed.
   [[nodiscard]] bool contains(std::int32_t point, int axis) const {
-    return free_[index(point, axis)] == T(0);
+    return free_[any_index(point, axis)] == T(0);
   }
 
   /// Zeroes the prescribed components of v.
   void mask(Vector<T>& v) const { v.array() *= free_.array(); }
 
-  /// d = target - q on prescribed components, 0 on free ones. Returns the largest |component|, m.
+  /// d = difference(q, target) on prescribed components, 0 on free ones. Returns the largest |component|, m
+  /// or rad.
   double increment(const State<T>& q, Vector<T>& d) const {
-    d.array() = (T(1) - free_.array()) * (target_ - q.displacement).array();
-    for (std::ptrdiff_t i = 3; i < d.size(); i += block_stride) d[i] = T(0);
-    return d.size() == 0 ? 0 : static_cast<double>(d.cwiseAbs().maxCoeff());
+    difference(q, target_, d);
+    return masked(d);
   }
   /// The same to where these components are after a fraction of the way from `start` to their target.
   double increment(const State<T>& q, Vector<T>& d, const State<T>& start, double fraction) const {
     // the goal first, so that it is met to the last bit
     d.array() = start.displacement.array() +
-                static_cast<T>(fraction) * (target_ - start.displacement).array() - q.displacement.array();
+                static_cast<T>(fraction) * (target_.displacement - start.displacement).array() -
+                q.displacement.array();
+    for (std::ptrdiff_t j = 0; j < q.frames(); ++j) {
+      const Vec3<T> way =
+          static_cast<T>(fraction) * rotation_between<T>(start.quaternion(j), target_.quaternion(j));
+      const UnitQuaternion<T> goal = quaternion_product<T>(start.quaternion(j), quaternion_exponential(way));
+      block(d, q.frame_block(j) + 1) = rotation_between<T>(q.quaternion(j), goal);
+    }
+    return masked(d);
+  }
+
+ private:
+  // Leaves what is prescribed of d; its largest |component|.
+  double masked(Vector<T>& d) const {
     d.array() *= T(1) - free_.array();
     for (std::ptrdiff_t i = 3; i < d.size(); i += block_stride) d[i] = T(0);
     return d.size() == 0 ? 0 : static_cast<double>(d.cwiseAbs().maxCoeff());
   }
-
- private:
   std::ptrdiff_t index(std::int32_t point, int axis) const {
+    const std::ptrdiff_t beyond = point - target_.points();
+    if (beyond >= 0 && beyond % 2 == 1 && beyond < 2 * target_.frames())
+      invalid(std::string("prescribed block ") + std::to_string(point) + " is the rotation of frame " +
+              std::to_string(beyond / 2) + ": see set_rotation");
+    return any_index(point, axis);
+  }
+  std::ptrdiff_t any_index(std::int32_t point, int axis) const {
     if (point < 0 || point >= free_.size() / block_stride)
       invalid(std::string("prescribed node ") + std::to_string(point) + ": out of range");
     if (axis < 0 || axis > 2) invalid(std::string("axis ") + std::to_string(axis) + ": must be 0, 1 or 2");
     return block_stride * static_cast<std::ptrdiff_t>(point) + axis;
   }
 
-  Vector<T> free_, target_;
+  Vector<T> free_;
+  State<T> target_;
 };
 
 }  // namespace softsim

@@ -42,12 +42,14 @@ inline double smallest_pivot(Matrix6 A) {
 }  // namespace detail
 
 /// Checks that no piece of the system can move as a rigid body: the six rigid motions of every connected
-/// piece must be stopped by its prescribed components (three nodes that are not in line, or as many rollers).
+/// piece must be stopped by its prescribed components (three nodes that are not in line, as many rollers, or
+/// a frame that is held in displacement and rotation).
 /// @throws std::invalid_argument naming the first piece that is free to move and how many of its nodes are
 /// held
 template <class S>
 void require_supports(const S& system) {
-  const std::size_t n = system.rest().size();
+  const std::size_t n = system.rest().size(), points = system.points();
+  const auto rotational = [&](std::size_t i) { return i >= points && (i - points) % 2 == 1; };
   std::vector<std::size_t> parent(n);
   std::iota(parent.begin(), parent.end(), std::size_t{0});
   const auto root = [&](std::size_t i) {
@@ -61,8 +63,9 @@ void require_supports(const S& system) {
           parent[root(static_cast<std::size_t>(i))] = root(static_cast<std::size_t>(stencil[0]));
       });
   });
+  for (std::size_t i = points; i < n; i += 2) parent[root(i + 1)] = root(i);
   struct Piece {
-    std::size_t nodes = 0, held = 0, components = 0;
+    std::size_t blocks = 0, nodes = 0, held = 0, components = 0;
     Vec3<double> centre = Vec3<double>::Zero();
     double radius = 0;
     detail::Matrix6 gram{};
@@ -70,6 +73,8 @@ void require_supports(const S& system) {
   std::vector<Piece> pieces(n);
   for (std::size_t i = 0; i < n; ++i) {
     Piece& piece = pieces[root(i)];
+    ++piece.blocks;
+    if (rotational(i)) continue;
     ++piece.nodes;
     piece.centre += (system.rest()[i] - piece.centre) / static_cast<double>(piece.nodes);
   }
@@ -86,12 +91,14 @@ void require_supports(const S& system) {
         held = true;
         ++piece.components;
         // this component of three translations and three rotations
-        const Vec3<double> e = Vec3<double>::Unit(axis), r = x.cross(e);
-        const std::array<double, 6> motion{e[0], e[1], e[2], r[0], r[1], r[2]};
+        // and of a frame's rotation by the piece's own size
+        const Vec3<double> e = Vec3<double>::Unit(axis), r = rotational(i) ? e : x.cross(e);
+        const double d = rotational(i) ? 0 : 1;
+        const std::array<double, 6> motion{d * e[0], d * e[1], d * e[2], r[0], r[1], r[2]};
         for (std::size_t a = 0; a < 6; ++a)
           for (std::size_t b = 0; b < 6; ++b) piece.gram[a][b] += motion[a] * motion[b];
       }
-    piece.held += held ? 1 : 0;
+    piece.held += held && !rotational(i) ? 1 : 0;
   }
   for (std::size_t i = 0, number = 0; i < n; ++i) {
     if (root(i) != i) continue;
@@ -102,11 +109,12 @@ void require_supports(const S& system) {
     };
     // Nodes a ten-thousandth of the piece's size out of line count as in line. What is held altogether cannot
     // move, however few nodes it has.
-    if (piece.components < 3 * piece.nodes && detail::smallest_pivot(piece.gram) <= 1e-8)
+    if (piece.components < 3 * piece.blocks && detail::smallest_pivot(piece.gram) <= 1e-8)
       invalid(std::string("static solve: piece ") + std::to_string(number) + " (" +
               std::to_string(piece.nodes) + " nodes, around " + coordinate(0) + ", " + coordinate(1) + ", " +
               coordinate(2) + ") is free to move: " + std::to_string(piece.held) + " of its nodes " +
-              (piece.held == 1 ? "is" : "are") + " held, and at least three that are not in line are needed");
+              (piece.held == 1 ? "is" : "are") + " held, and at least three that are not in line are needed" +
+              (points < n ? ", or one frame, in its rotation too" : ""));
     ++number;
   }
 }

@@ -44,8 +44,8 @@ concept has_memory = S::has_memory;
 template <class S>
 using Stepped = std::conditional_t<detail::has_memory<S>, S&, const S&>;
 
-/// Force terms over one set of points, with mass, damping and prescribed components. Models `Potential`
-/// itself where all its terms do. The terms are public: a load may be changed between steps.
+/// Force terms over one set of points and frames, with mass, damping and prescribed components. Models
+/// `Potential` itself where all its terms do. The terms are public: a load may be changed between steps.
 template <ForceTerm... Terms>
 class System {
  public:
@@ -68,16 +68,28 @@ class System {
   Mass<T> mass;  ///< kg; zero until set, a static solve needs none
   Rayleigh damping;
 
-  /// A system over the nodes of `mesh`.
+  /// A system over the nodes of `mesh`, which may have frames (`FrameNodes`).
   template <PointMesh Mesh>
   explicit System(const Mesh& mesh, Terms... terms_)
       : terms(std::move(terms_)...),
-        prescribed(mesh.points().size()),
-        mass(mesh.points().size()),
-        rest_(mesh.points()) {}
+        prescribed(mesh.points().size(), frames_in(mesh)),
+        mass(mesh.points().size(), frames_in(mesh)),
+        rest_(mesh.points()),
+        frames_(frames_in(mesh)) {
+    if constexpr (requires { mesh.frames(); })
+      for (const Vec3<double>& X : mesh.frames()) rest_.insert(rest_.end(), 2, X);
+  }
 
-  /// Rest positions of the points, m.
+  /// Rest positions in m, one per block: of the points, then twice of each frame.
   [[nodiscard]] const std::vector<Vec3<double>>& rest() const { return rest_; }
+  /// Number of frames.
+  [[nodiscard]] std::size_t frames() const { return frames_; }
+  /// Number of points.
+  [[nodiscard]] std::size_t points() const { return rest_.size() - 2 * frames_; }
+  /// All points and frames at rest.
+  [[nodiscard]] State<T> rest_state() const { return State<T>(points(), frames_); }
+  /// The same, not moving.
+  [[nodiscard]] Motion<T> rest_motion() const { return Motion<T>(points(), frames_); }
   /// Different for every system that is made of a mesh, shared by copies: tells a cached pattern that a
   /// system at the same address is another one.
   [[nodiscard]] std::uint64_t number() const { return number_; }
@@ -185,12 +197,20 @@ class System {
   }
 
  private:
+  template <class Mesh>
+  static std::size_t frames_in(const Mesh& mesh) {
+    if constexpr (requires { mesh.frames(); })
+      return mesh.frames().size();
+    else
+      return 0;
+  }
   template <class Function>
   void for_each_term_writable(Function f) {
     std::apply([&](auto&... term) { (f(term), ...); }, terms);
   }
 
   std::vector<Vec3<double>> rest_;
+  std::size_t frames_ = 0;
   std::uint64_t number_ = detail::next_number();
 };
 

@@ -105,7 +105,15 @@ class AssembledTangent {
     for (std::size_t i = 0; i < diagonal_.size(); ++i) blocks[i] = matrix_.block(diagonal_[i]);
   }
 
-  /// Rest positions of the points, m.
+  /// Number of frames, whose blocks come last.
+  [[nodiscard]] std::size_t frames() const { return system_->frames(); }
+  /// Blocks of A that couple displacement (rows) and rotation (columns) of each frame.
+  void frame_blocks(std::vector<Mat3<T>>& blocks) const {
+    blocks.resize(frame_.size());
+    for (std::size_t j = 0; j < frame_.size(); ++j) blocks[j] = matrix_.block(frame_[j]);
+  }
+
+  /// Rest positions, m, one per block.
   [[nodiscard]] const std::vector<Vec3<double>>& rest() const { return system_->rest(); }
   /// The matrix, prescribed components included.
   [[nodiscard]] const SymmetricBlockMatrix<T>& matrix() const { return matrix_; }
@@ -118,6 +126,8 @@ class AssembledTangent {
     std::vector<std::pair<std::int32_t, std::int32_t>> blocks;
     for (std::size_t i = 0; i < n; ++i)
       blocks.emplace_back(static_cast<std::int32_t>(i), static_cast<std::int32_t>(i));
+    for (std::size_t i = system.points(); i < n; i += 2)
+      blocks.emplace_back(static_cast<std::int32_t>(i), static_cast<std::int32_t>(i + 1));
     system.for_each_term([&](const auto& term) {
       if constexpr (std::decay_t<decltype(term)>::has_hessian)
         term.for_each_stencil([&](const auto& stencil) {
@@ -133,6 +143,9 @@ class AssembledTangent {
     diagonal_.clear();
     for (std::size_t i = 0; i < n; ++i)
       diagonal_.push_back(place(static_cast<std::int32_t>(i), static_cast<std::int32_t>(i)) / 2);
+    frame_.clear();
+    for (std::size_t i = system.points(); i < n; i += 2)
+      frame_.push_back(place(static_cast<std::int32_t>(i), static_cast<std::int32_t>(i + 1)) / 2);
     mass_places_.clear();
     system.mass.for_each_coupling(
         [&](std::int32_t i, std::int32_t j, T) { mass_places_.push_back(place(i, j)); });
@@ -143,7 +156,7 @@ class AssembledTangent {
   std::size_t stencils_ = 0;
   SymmetricBlockMatrix<T> matrix_;
   std::vector<std::vector<std::int32_t>> places_;
-  std::vector<std::int32_t> diagonal_, mass_places_;
+  std::vector<std::int32_t> diagonal_, frame_, mass_places_;
 };
 
 namespace detail {
@@ -185,10 +198,14 @@ class MatrixFreeTangent {
       number_ = system.number();
       stencils_ = detail::stencil_count(system);
       places_.clear();
-      system.for_each_term([&](const auto& term) {
-        places_.push_back(
-            detail::stencil_places(term, [](std::int32_t i, std::int32_t j) { return i == j ? 2 * i : -1; }));
-      });
+      // The blocks on the diagonal, and behind them those that couple the two of each frame.
+      const auto n = static_cast<std::int32_t>(system.rest().size()),
+                 points = static_cast<std::int32_t>(system.points());
+      const auto place = [&](std::int32_t i, std::int32_t j) {
+        const bool one_frame = i >= points && (i - points) % 2 == 0 && j == i + 1;
+        return i == j ? 2 * i : one_frame ? 2 * (n + (i - points) / 2) : -1;
+      };
+      system.for_each_term([&](const auto& term) { places_.push_back(detail::stencil_places(term, place)); });
     }
     system_ = &system;
     q_ = &q;
@@ -217,8 +234,22 @@ class MatrixFreeTangent {
 
   /// Diagonal blocks of A.
   void diagonal_blocks(std::vector<Mat3<T>>& blocks) const {
+    all_blocks(blocks);
     blocks.resize(system_->rest().size());
-    for (std::size_t i = 0; i < blocks.size(); ++i)
+  }
+  /// Number of frames, whose blocks come last.
+  [[nodiscard]] std::size_t frames() const { return system_->frames(); }
+  /// Blocks of A that couple displacement (rows) and rotation (columns) of each frame.
+  void frame_blocks(std::vector<Mat3<T>>& blocks) const {
+    all_blocks(blocks);
+    blocks.erase(blocks.begin(), blocks.begin() + static_cast<std::ptrdiff_t>(system_->rest().size()));
+  }
+
+ private:
+  void all_blocks(std::vector<Mat3<T>>& blocks) const {
+    const std::size_t n = system_->rest().size();
+    blocks.assign(n + frames(), Mat3<T>::Zero());
+    for (std::size_t i = 0; i < n; ++i)
       blocks[i] =
           static_cast<T>(weights_.mass) *
           block(system_->mass.diagonal(), static_cast<std::ptrdiff_t>(i)).asDiagonal().toDenseMatrix();
@@ -228,7 +259,6 @@ class MatrixFreeTangent {
       detail::add_stiffness<false>(*system_, *q_0_, weights_.lagged, 1, places_, values);
   }
 
- private:
   using AllKept = typename detail::KeptByAll<decltype(S::terms)>::type;
 
   void add_product(const Vector<T>& x, Vector<T>& y) const {

@@ -1,0 +1,178 @@
+// SPDX-FileCopyrightText: 2026 The softsim authors
+// SPDX-License-Identifier: MIT
+#include "softsim/potential/frame_elastic.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "potential/frame_bodies.hpp"
+#include "softsim/integrator/static_solver.hpp"
+#include "softsim/material/neo_hookean.hpp"
+#include "softsim/material/st_venant_kirchhoff.hpp"
+#include "softsim/potential/frame_loads.hpp"
+#include "softsim/potential/rotation_tie.hpp"
+#include "softsim/potential/spring.hpp"
+#include "softsim/solver/direct.hpp"
+#include "softsim/solver/stationary.hpp"
+#include "softsim/system/system.hpp"
+
+namespace frame_elastic_test {
+
+using namespace softsim;
+using frame_bodies::increment;
+using frame_bodies::on_mesh;
+using Vec = Vector<double>;
+using V = Vec3<double>;
+using M = Mat3<double>;
+
+auto cube(const std::array<int, 3>& cells = {2, 2, 2}) { return on_mesh(box_hexahedra(cells, {1, 1, 1})); }
+const auto law = StVenantKirchhoff::from_young_poisson(10, 0.3);
+
+// A term against differences of its energy along increments, at a state with large rotations.
+template <class S>
+void derives(const S& system, double tolerance) {
+  State<double> q = system.rest_state();
+  retract(q, increment(q, 0.9, 1));
+  for (std::ptrdiff_t i = 0; i < q.size() / block_stride; ++i)
+    if (i < q.points() || (i - q.points()) % 2 == 0) block(q.displacement, i) *= 0.2;
+  const Vec d = increment(q, 1, 2);
+  const auto at = [&](double s) {
+    State<double> p = q;
+    retract(p, d, s);
+    return p;
+  };
+  const auto energy = [&](double s) { return system.energy(at(s)); };
+  const auto gradient = [&](double s) {
+    Vec g = Vec::Zero(q.size());
+    system.add_gradient(at(s), g);
+    return g;
+  };
+  const double h = 1e-3;
+  const Vec g = gradient(0);
+  const double slope = (8 * (energy(h) - energy(-h)) - (energy(2 * h) - energy(-2 * h))) / (12 * h);
+  EXPECT_NEAR(g.dot(d), slope, tolerance * std::abs(slope));
+  Vec Hd = Vec::Zero(q.size());
+  system.add_hessian_product(q, d, Hd);
+  const double curvature =
+      (-energy(2 * h) + 16 * energy(h) - 30 * energy(0) + 16 * energy(-h) - energy(-2 * h)) / (12 * h * h);
+  EXPECT_NEAR(d.dot(Hd), curvature, 1e-6 * std::abs(curvature));
+  // In axes that turn, the gradient's derivative is the product less r x m / 2.
+  const double s = 1e-5;
+  const Vec difference = (gradient(s) - gradient(-s)) / (2 * s);
+  for (std::ptrdiff_t j = 0; j < q.frames(); ++j) {
+    const std::ptrdiff_t b = q.frame_block(j) + 1;
+    const V r = block(d, b), m = block(g, b);
+    block(Hd, b) -= 0.5 * r.cross(m);
+  }
+  EXPECT_LT((Hd - difference).norm(), 1e-6 * difference.norm());
+}
+
+TEST(FrameElastic, DerivesFromItsEnergyAtLargeRotations) {
+  const auto frames = cube();
+  derives(System(frames.nodes, elastic(frames.body, law)), 1e-8);
+  derives(System(frames.nodes, elastic<double, 1>(frames.body, law)), 1e-8);
+  derives(System(frames.nodes, gravity(frames.body, 3, {1, -2, 3})), 1e-8);
+  derives(System(frames.nodes, rotation_tie(frames.body, 2)), 1e-8);
+}
+
+// Both tangents, matrix-free and assembled, are the same product; block diagonals included.
+TEST(FrameElastic, AssembledAndMatrixFreeTangentsAgree) {
+  const auto frames = cube({3, 2, 2});
+  System system(frames.nodes, elastic(frames.body, law), gravity(frames.body, 3, {1, -2, 3}));
+  State<double> q = system.rest_state();
+  retract(q, increment(q, 0.3, 1));
+  AssembledTangent<decltype(system)> assembled;
+  MatrixFreeTangent<decltype(system)> matrix_free;
+  assembled.set(system, q, {.stiffness = 2});
+  matrix_free.set(system, q, {.stiffness = 2});
+  const Vec d = increment(q, 1, 2);
+  Vec a = Vec::Zero(q.size()), b = a;
+  assembled.apply(d, a);
+  matrix_free.apply(d, b);
+  EXPECT_LT((a - b).norm(), 1e-13 * a.norm());
+  std::vector<M> from_matrix, from_blocks;
+  assembled.diagonal_blocks(from_matrix);
+  matrix_free.diagonal_blocks(from_blocks);
+  ASSERT_EQ(from_matrix.size(), from_blocks.size());
+  for (std::size_t i = 0; i < from_matrix.size(); ++i)
+    EXPECT_LT((from_matrix[i] - from_blocks[i]).norm(), 1e-12 * from_matrix[i].norm()) << i;
+  assembled.frame_blocks(from_matrix);
+  matrix_free.frame_blocks(from_blocks);
+  ASSERT_EQ(from_matrix.size(), from_blocks.size());
+  for (std::size_t i = 0; i < from_matrix.size(); ++i)
+    EXPECT_LT((from_matrix[i] - from_blocks[i]).norm(), 1e-12 * from_matrix[i].norm()) << i;
+}
+
+// 1,000 rigid motions of a deformed body: the same energy, forces that turn with it, torques that do not
+// change in the axes of the body, and no resultant.
+TEST(FrameElastic, RigidMotionsTurnTheForces) {
+  const auto frames = cube();
+  const System system(frames.nodes, elastic(frames.body, law));
+  State<double> q = system.rest_state();
+  retract(q, increment(q, 0.2, 1));
+  const double energy = system.energy(q);
+  Vec g = Vec::Zero(q.size());
+  system.add_gradient(q, g);
+  std::mt19937 engine(3);
+  const auto random = [&] { return 2 * static_cast<double>(engine()) / 4294967296.0 - 1; };
+  for (int trial = 0; trial < 1000; ++trial) {
+    const V r(3 * random(), 3 * random(), 3 * random()), t(10 * random(), 10 * random(), 10 * random());
+    const M R = rotation_exponential(r);
+    State<double> moved = q;
+    V force = V::Zero(), torque = V::Zero();
+    for (std::ptrdiff_t j = 0; j < q.frames(); ++j) {
+      const V X = frames.nodes.frames()[static_cast<std::size_t>(j)], x = X + q.translation(j);
+      moved.translation(j) = R * x + t - X;
+      moved.quaternion(j) = quaternion_product<double>(quaternion_exponential(r), q.quaternion(j));
+    }
+    EXPECT_NEAR(system.energy(moved), energy, 1e-10 * energy);
+    Vec there = Vec::Zero(q.size());
+    system.add_gradient(moved, there);
+    double worst = 0;
+    for (std::ptrdiff_t j = 0; j < q.frames(); ++j) {
+      const std::ptrdiff_t b = q.frame_block(j);
+      worst = std::max(worst, (block(there, b) - R * block(g, b)).norm());
+      worst = std::max(worst, (block(there, b + 1) - block(g, b + 1)).norm());
+      const V x = frames.nodes.frames()[static_cast<std::size_t>(j)] + moved.translation(j);
+      force += block(there, b);
+      torque += x.cross(block(there, b)) + moved.rotation(j) * block(there, b + 1);
+    }
+    EXPECT_LT(worst, 1e-12 * g.norm());
+    EXPECT_LT(force.norm(), 1e-12 * g.norm());
+    EXPECT_LT(torque.norm(), 1e-12 * 20 * g.norm());
+  }
+}
+
+// A cantilever that bends far, by Newton's method: the same equilibrium by direct and by iterative solves.
+TEST(FrameElastic, ACantileverFindsItsEquilibrium) {
+  const auto frames = on_mesh(box_hexahedra({4, 1, 1}, {4, 1, 1}));
+  System system(frames.nodes, elastic(frames.body, law), gravity(frames.body, 0.003, {0, 0, -9.81}),
+                rotation_tie(frames.body, 0.01));
+  EXPECT_THROW(require_supports(system), std::invalid_argument);
+  std::vector<std::int32_t> fixed;
+  for (std::size_t j = 0; j < frames.nodes.frames().size(); ++j)
+    if (frames.nodes.frames()[j][0] == 0) fixed.push_back(static_cast<std::int32_t>(j));
+  system.prescribed.fix_frames(fixed);
+  const auto solved = [&](auto solver) {
+    State<double> q = system.rest_state();
+    const StepReport report = solver.solve(system, q);
+    EXPECT_EQ(report.status, Status::converged) << report.reason;
+    EXPECT_LT(report.newton_iterations, 12);
+    return q;
+  };
+  using S = decltype(system);
+  const State<double> q = solved(StaticSolver<S, Assembled, BlockJacobi>({.tolerance = 1e-10}));
+  const State<double> p = solved(StaticSolver<S, Assembled, Ldlt, Stationary>({.tolerance = 1e-10}));
+  const State<double> f = solved(StaticSolver<S, MatrixFree>({.tolerance = 1e-10}));
+  Vec d(q.size());
+  difference(q, p, d);
+  EXPECT_LT(d.norm(), 1e-8);
+  difference(q, f, d);
+  EXPECT_LT(d.norm(), 1e-8);
+  double tip = 0;
+  for (std::ptrdiff_t j = 0; j < q.frames(); ++j) tip = std::min(tip, q.translation(j)[2]);
+  EXPECT_LT(tip, -0.3);  // it does bend far
+}
+
+}  // namespace frame_elastic_test
