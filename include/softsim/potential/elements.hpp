@@ -288,11 +288,12 @@ class Elements : ElementChunks<E, T, N> {
       gather_relative<T, N>(from, chunk.ids, u.points);
     else
       for (std::size_t i = 0; i < points; ++i) u.points[i] = gather_blocks<T, N>(from, chunk.ids[i]);
-    for (std::size_t j = 0; j < frames; ++j) {
-      const BlockIds<N>& ids = chunk.ids[points + j];
-      u.frames[j].displacement = gather_blocks<T, N>(from, ids);
-      u.frames[j].turn = rotation_less_identity<Value>(gather_whole_blocks<T, N>(from + block_stride, ids));
-    }
+    if constexpr (frames > 0)
+      for (std::size_t j = 0; j < frames; ++j) {
+        const BlockIds<N>& ids = chunk.ids[points + j];
+        u.frames[j].displacement = gather_blocks<T, N>(from, ids);
+        u.frames[j].turn = rotation_less_identity<Value>(gather_whole_blocks<T, N>(from + block_stride, ids));
+      }
     return u;
   }
   static Tangent<E, Value> gather_tangent(const Chunk& chunk, const T* from) {
