@@ -54,7 +54,8 @@ void begin_stage(Stepped<S> system, const State<typename S::Scalar>& q, const Ve
 }  // namespace detail
 
 /// The right-hand side that explicit integrators share: accelerations of the free components,
-///   a(q, v) = M^-1 (-dE/dq - D(q, v)),  D = alpha M v + beta K(q) v + damping forces of the terms.
+///   a(q, v) = M^-1 (-dE/dq - D(q, v)),  D = alpha M v + beta K(q) v + damping forces of the terms, and the
+/// gyroscopic forces of frames, whose velocities and accelerations are those in the axes of the body.
 /// A prescribed component moves with constant velocity during a step, (target - q_0)/h, and arrives at its
 /// end; its acceleration, and the entry of a, is 0.
 template <class S>
@@ -86,19 +87,21 @@ class Acceleration {
       }
   }
 
-  /// y += D(q, v), N.
+  /// y += D(q, v) and the gyroscopic forces of frames, N.
   void add_damping(const S& system, const State<T>& q, const Vector<T>& v, Vector<T>& y) {
     system.add_damping_product(q, v, y);
     if (system.damping.beta != 0) {
       scaled_ = static_cast<T>(system.damping.beta) * v;
       system.add_elastic_hessian_product(q, scaled_, y);
     }
-    if (system.damping.alpha != 0) system.mass.add_product(v, static_cast<T>(system.damping.alpha), y);
+    if (system.damping.alpha != 0) system.mass.add_product(q, v, static_cast<T>(system.damping.alpha), y);
+    system.mass.add_gyroscopic(q, v, T(1), y);
   }
   /// a = -M^-1 g for a gradient g, N, whose damping is in it already.
-  LinearReport divide(const S& system, const Vector<T>& g, const Vector<T>& held, Vector<T>& a) {
+  LinearReport divide(const S& system, const State<T>& q, const Vector<T>& g, const Vector<T>& held,
+                      Vector<T>& a) {
     force_ = -g;
-    return mass_.solve(system, force_, held, a);
+    return mass_.solve(system, q, force_, held, a);
   }
   /// a(q, v), m/s^2.
   LinearReport operator()(const S& system, const State<T>& q, const Vector<T>& v, const Vector<T>& held,
@@ -106,7 +109,7 @@ class Acceleration {
     gradient_.setZero(system.size());
     system.add_gradient(q, gradient_);
     add_damping(system, q, v, gradient_);
-    return divide(system, gradient_, held, a);
+    return divide(system, q, gradient_, held, a);
   }
 
  private:

@@ -121,7 +121,7 @@ class EnergyControlled {
   /// or, if only the energy was at fault, `not_converged` (too large) or `not_finite`.
   EnergyStepReport step(Stepped<S> system, Motion<T>& motion) {
     EnergyStepReport report;
-    const double potential = system.energy(motion.q), kinetic = kinetic_energy(system, motion.v);
+    const double potential = system.energy(motion.q), kinetic = kinetic_energy(system, motion);
     const double allowed = options_.tolerance + options_.relative_tolerance * (std::abs(potential) + kinetic);
     const double first = integrator_.dt();
     start_ = motion;
@@ -131,7 +131,7 @@ class EnergyControlled {
       static_cast<StepReport&>(report) = integrator_.step(system, motion);
       if (report.status == Status::converged) {
         report.energy_change =
-            system.energy(motion.q) - potential + (kinetic_energy(system, motion.v) - kinetic);
+            system.energy(motion.q) - potential + (kinetic_energy(system, motion) - kinetic);
         if (report.energy_change <= allowed) {
           report.dt = h;
           if (report.rejected == 0 && std::abs(report.energy_change) <= options_.quiet * allowed)
@@ -155,10 +155,10 @@ class EnergyControlled {
 
  private:
   // That of the system, without its new vector.
-  double kinetic_energy(const S& system, const Vector<T>& v) {
-    momentum_.setZero(v.size());
-    system.mass.add_product(v, T(1), momentum_);
-    return dot(v, momentum_) / 2;
+  double kinetic_energy(const S& system, const Motion<T>& motion) {
+    momentum_.setZero(motion.v.size());
+    system.mass.add_product(motion.q, motion.v, T(1), momentum_);
+    return dot(motion.v, momentum_) / 2;
   }
 
   I integrator_;

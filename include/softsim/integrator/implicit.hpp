@@ -35,6 +35,11 @@ struct ImplicitOptions {
 /// (`MatrixFree`, `BlockJacobi`, `Stationary{.max_iterations = 1, .fixed = true}`) is the decoupled method of
 /// Debunne et al. 2001.
 ///
+/// Frames have velocities and accelerations in the axes of their bodies, and increments of rotation for
+/// displacements (Bruls & Cardona 2010), with the order of the scheme under Newton's method. Its tangent
+/// leaves out what makes it unsymmetric, so that it converges the slower the more a frame turns in a step. A
+/// linearised step takes gyroscopic forces at its start, and is of first order.
+///
 /// Prescribed components move with constant velocity to their target; their velocity at the end of the step
 /// is that one. Terms with a history are told the time at which the scheme takes forces; viscous ones take
 /// part in `Theta` schemes only.
@@ -101,6 +106,16 @@ class Implicit {
     }
     if constexpr (S::has_memory) system.begin_step(motion.q, motion.v, scheme.force_time(h));
     scheme.begin(h, motion.v, history_, terms_);
+    if (system.frames() > 0) {
+      if constexpr (!Scheme::takes_frames)
+        return ended(report, Status::not_converged,
+                     "the trapezoidal rule does not take frames: Newmark's method does");
+      terms_.gyroscopic = options_.newton;
+      if (!options_.newton) {
+        terms_.constant.setZero(system.size());
+        system.mass.add_gyroscopic(motion.q, motion.v, T(1), terms_.constant);
+      }
+    }
     potential_.set_step(system, start_, terms_);
     next_ = start_;
     if (options_.newton) {

@@ -25,6 +25,7 @@ struct SchemeHistory {
 //  - check(): throws for parameters out of range;
 //  - starts_with_force / starts_with_acceleration: what it needs at the start of a step, the second where its
 //    history is not valid;
+//  - takes_viscous / takes_frames: whether it copes with terms that are damping forces, and with frames;
 //  - force_time(h): how long after the start forces are taken;
 //  - roots(Omega, xi): what a step does to an oscillator, see stability.hpp;
 //  - begin(h, v_0, history, terms): the terms of the step, in terms of d = difference(q_0, q);
@@ -38,7 +39,8 @@ struct SchemeHistory {
 struct Theta {
   double beta = 1;  ///< in (0, 1]
 
-  static constexpr bool starts_with_force = false, starts_with_acceleration = false, takes_viscous = true;
+  static constexpr bool starts_with_force = false, starts_with_acceleration = false, takes_viscous = true,
+                        takes_frames = true;
   /// @throws std::invalid_argument for beta outside (0, 1]
   void check() const {
     if (!(beta > 0 && beta <= 1))
@@ -75,7 +77,8 @@ struct Midpoint : Theta {
 /// Trapezoidal rule: the mean of the forces at both ends. Second order, A-stable, neither L- nor B-stable;
 /// the same as Newmark's method with beta = 1/4, gamma = 1/2, but needs no acceleration at the start.
 struct Trapezoidal {
-  static constexpr bool starts_with_force = true, starts_with_acceleration = false, takes_viscous = false;
+  static constexpr bool starts_with_force = true, starts_with_acceleration = false, takes_viscous = false,
+                        takes_frames = false;  // forces at both ends are in axes that have turned in between
   void check() const {}
   [[nodiscard]] double force_time(double h) const { return h; }
   [[nodiscard]] stability::Roots roots(double Omega, double xi) const {
@@ -97,7 +100,8 @@ struct Trapezoidal {
 /// Backward differentiation of second order: v_1 = (3 q_1 - 4 q_0 + q_-1)/(2 h), and the same for v.
 /// L-stable, little damping of what is resolved; starts with a step of backward Euler.
 struct Bdf2 {
-  static constexpr bool starts_with_force = false, starts_with_acceleration = false, takes_viscous = false;
+  static constexpr bool starts_with_force = false, starts_with_acceleration = false, takes_viscous = false,
+                        takes_frames = true;
   void check() const {}
   [[nodiscard]] double force_time(double h) const { return h; }
   [[nodiscard]] stability::Roots roots(double Omega, double xi) const {
@@ -134,7 +138,8 @@ struct Bdf2 {
 struct GeneralisedAlphaParameters {
   double alpha_m = 0, alpha_f = 0, beta = 0.25, gamma = 0.5;
 
-  static constexpr bool starts_with_force = false, starts_with_acceleration = true, takes_viscous = false;
+  static constexpr bool starts_with_force = false, starts_with_acceleration = true, takes_viscous = false,
+                        takes_frames = true;
   /// @throws std::invalid_argument for parameters that make no method
   void check() const {
     if (!(beta > 0 && beta <= 1e3))

@@ -54,7 +54,7 @@ class SemiExplicitEuler {
     const T h = static_cast<T>(options_.dt);
     report.status = Status::converged;
     bool finite = true;
-    if (system.mass.is_lumped()) {
+    if (system.mass.is_lumped() && system.frames() == 0) {
       finite = kick_and_drift(system, motion, h);
     } else {
       // Prescribed components first: they reach their target at the end of the step, and their acceleration

@@ -98,7 +98,7 @@ class VelocityVerlet {
   void kick(const S& system, const State<T>& q, const Vector<T>& v, StepReport& report) {
     total_ = gradient_;
     acceleration_.add_damping(system, q, v, total_);
-    detail::take_in(acceleration_.divide(system, total_, held_, a_), report);
+    detail::take_in(acceleration_.divide(system, q, total_, held_, a_), report);
   }
 
   double dt_;

@@ -47,8 +47,8 @@ class FrameBody {
   /// The same from shape functions that have been evaluated at the samples, integration points for instance.
   FrameBody(const FrameNodes& nodes, const std::vector<ShapeValues>& shapes,
             const std::vector<Vec3<double>>& positions, const std::vector<double>& volumes)
-      : first_block_(nodes.points().size()), positions_(positions), volumes_(volumes) {
-    const std::size_t n = nodes.frames().size();
+      : points_(nodes.points().size()), frames_(nodes.frames()), positions_(positions), volumes_(volumes) {
+    const std::size_t n = frames_.size();
     if (n < count)
       invalid(std::string("frames: ") + std::to_string(n) + " are fewer than the " + std::to_string(N) +
               " that a sample follows");
@@ -84,9 +84,13 @@ class FrameBody {
   [[nodiscard]] const std::vector<Blend>& blends() const { return blends_; }
   /// Gradients at rest, for the kernels.
   [[nodiscard]] const std::vector<typename Sample::template Data<double>>& data() const { return data_; }
+  /// Rest positions of the frames, m.
+  [[nodiscard]] const std::vector<Vec3<double>>& frames() const { return frames_; }
+  /// Number of points that a system has before the frames.
+  [[nodiscard]] std::size_t points() const { return points_; }
   /// Number of the first block of frame j in the flat vectors of a system.
   [[nodiscard]] std::int32_t frame_block(std::int32_t j) const {
-    return static_cast<std::int32_t>(first_block_) + 2 * j;
+    return static_cast<std::int32_t>(points_) + 2 * j;
   }
   /// Block numbers of the frames of each sample.
   [[nodiscard]] std::vector<std::array<std::int32_t, 2 * count>> stencils() const {
@@ -199,8 +203,8 @@ class FrameBody {
       }
   }
 
-  std::size_t first_block_;
-  std::vector<Vec3<double>> positions_;
+  std::size_t points_;
+  std::vector<Vec3<double>> frames_, positions_;
   std::vector<double> volumes_;
   std::vector<Blend> blends_;
   std::vector<typename Sample::template Data<double>> data_;

@@ -73,11 +73,13 @@ struct StencilBlocks {
 /// Where K is not positive semidefinite it bounds the largest eigenvalue, not the absolute values. For
 /// set-up: it allocates, 0.7 kB per tetrahedron; the cost is about that of an assembly and an eigenvalue
 /// problem of 12 unknowns per tetrahedron.
-/// @throws std::invalid_argument if the mass is not lumped or a free component has no mass but stiffness
+/// @throws std::invalid_argument if the mass is not lumped, there are frames, or a free component has no mass
+/// but stiffness
 template <class S>
 [[nodiscard]] double element_eigenvalue_bound(const S& system, const State<typename S::Scalar>& q) {
   using T = typename S::Scalar;
   if (!system.mass.is_lumped()) invalid("element bound: the mass must be lumped");
+  if (system.frames() > 0) invalid("element bound: the system must not have frames");
   const detail::StencilBlocks<T> blocks(system, q);
   const Vector<T>&free = system.prescribed.free(), &m = system.mass.diagonal();
   // K of stencil e over its free components, zero rows and columns elsewhere.

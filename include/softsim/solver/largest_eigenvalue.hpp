@@ -115,7 +115,7 @@ EigenvalueReport largest_eigenvalue(const S& system, const State<typename S::Sca
   detail::Tridiagonal t;
   const auto mass_product = [&](const Vector<T>& x, Vector<T>& y) {
     y.setZero(x.size());
-    system.mass.add_product(x, T(1), y);
+    system.mass.add_product(q, x, T(1), y);
     system.prescribed.mask(y);
   };
   Vector<T> v(system.size()), last = Vector<T>::Zero(v.size()), Mv, Kv, w;
@@ -134,7 +134,7 @@ EigenvalueReport largest_eigenvalue(const S& system, const State<typename S::Sca
     const double alpha = dot(v, Kv);
     if (!std::isfinite(alpha) || !std::isfinite(norm(Kv)))
       return ended(report, Status::not_finite, "the Hessian is not finite");
-    if (mass.solve(system, Kv, w).status != Status::converged)
+    if (mass.solve(system, q, Kv, w).status != Status::converged)
       return ended(report, Status::not_converged,
                    "conjugate gradients on the mass matrix: too many iterations");
     w -= static_cast<T>(alpha) * v;

@@ -266,13 +266,17 @@ class Newton {
   bool line_search(const Problem& problem, State<T>& q, double residual, bool prescribed_moves,
                    double& reference) {
     double slope = dot(r_, x_), before = 0;
-    if constexpr (Problem::conservative) {
-      before = problem.value(q);
-      if (slope > 0 && !prescribed_moves) {  // towards a maximum: a direct solve does not see the difference
-        x_ = -x_;
-        slope = -slope;
+    bool minimises = false;
+    if constexpr (Problem::conservative) minimises = problem.minimises();
+    if constexpr (Problem::conservative)
+      if (minimises) {
+        before = problem.value(q);
+        if (slope > 0 &&
+            !prescribed_moves) {  // towards a maximum: a direct solve does not see the difference
+          x_ = -x_;
+          slope = -slope;
+        }
       }
-    }
     const auto& system = problem.system();
     const bool refuse = options.refuse_inversion && system.inverted(q) == 0;
     T step = T(1);
@@ -282,16 +286,17 @@ class Newton {
       refused_ = refuse && system.inverted(trial_) > 0;
       if (refused_) continue;
       bool accepted = prescribed_moves;
-      if constexpr (Problem::conservative) {
-        const double after = problem.value(trial_);
-        if (!std::isfinite(after)) continue;
-        if (!accepted && slope < 0) accepted = after <= before + 1e-4 * static_cast<double>(step) * slope;
-        // A decrease too small for the values to show is left to the gradient (after Hager & Zhang 2005).
-        const bool visible = static_cast<double>(step) * std::abs(slope) >
-                             std::sqrt(static_cast<double>(std::numeric_limits<T>::epsilon())) *
-                                 std::max(std::abs(before), std::abs(after));
-        if (!accepted && visible) continue;
-      }
+      if constexpr (Problem::conservative)
+        if (minimises) {
+          const double after = problem.value(trial_);
+          if (!std::isfinite(after)) continue;
+          if (!accepted && slope < 0) accepted = after <= before + 1e-4 * static_cast<double>(step) * slope;
+          // A decrease too small for the values to show is left to the gradient (after Hager & Zhang 2005).
+          const bool visible = static_cast<double>(step) * std::abs(slope) >
+                               std::sqrt(static_cast<double>(std::numeric_limits<T>::epsilon())) *
+                                   std::max(std::abs(before), std::abs(after));
+          if (!accepted && visible) continue;
+        }
       const double reference_there = problem.gradient(trial_, trial_gradient_);
       r_ = trial_gradient_;
       problem.system().prescribed.mask(r_);
@@ -299,7 +304,7 @@ class Newton {
       if (!std::isfinite(residual_there)) continue;
       if (!accepted) accepted = residual_there <= (1 - 1e-4 * static_cast<double>(step)) * residual;
       if constexpr (Problem::conservative)
-        accepted = accepted || std::abs(dot(r_, x_)) <= 0.9 * std::abs(slope);
+        if (minimises) accepted = accepted || std::abs(dot(r_, x_)) <= 0.9 * std::abs(slope);
       if (!accepted) continue;
       take_trial(q, reference_there, reference);
       return true;

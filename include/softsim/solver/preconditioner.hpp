@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "softsim/core/batch.hpp"
+#include "softsim/core/frame_block.hpp"
 #include "softsim/core/state.hpp"
 
 namespace softsim {
@@ -68,8 +69,9 @@ class BlockJacobi {
     inverse_.resize(12 * blocks_.size());
     trouble_.clear();
     for (std::size_t i = 0; i < blocks_.size(); ++i) {
-      blocks_[i] = masked(blocks_[i], free, i, i);
-      blocks_[i].diagonal() += Vec3<T>::Ones() - block(free, static_cast<std::ptrdiff_t>(i));
+      const auto open = block(free, static_cast<std::ptrdiff_t>(i));
+      blocks_[i] = open.asDiagonal() * blocks_[i] * open.asDiagonal();
+      blocks_[i].diagonal() += Vec3<T>::Ones() - open;
       Mat3<T> inverse;
       if (!invert(blocks_[i], inverse)) {
         refuse(i);
@@ -110,40 +112,22 @@ class BlockJacobi {
     frame_inverse_.resize(48 * couplings_.size());
     for (std::size_t j = 0; j < couplings_.size(); ++j) {
       const std::size_t i = points + 2 * j;
-      // [D B; B^T E]^-1 by way of S = E - B^T D^-1 B.
-      const Mat3<T> B = masked(couplings_[j], free, i, i + 1);
-      Mat3<T> D, S;
-      Mat3<T> tt, tr = Mat3<T>::Zero(), rr;
-      bool definite = invert(blocks_[i], D);
-      if (definite) definite = invert(Mat3<T>(blocks_[i + 1] - B.transpose() * D * B), S);
-      if (definite) {
-        tr = -D * B * S;
-        tt = D - tr * B.transpose() * D;
-        rr = S;
-      } else {
+      const auto at = static_cast<std::ptrdiff_t>(i);
+      const FrameBlock<T> frame =
+          restricted<T>({blocks_[i], couplings_[j], blocks_[i + 1]}, block(free, at), block(free, at + 1));
+      FrameBlock<T> inverse;
+      if (!invert(frame, inverse)) {
         refuse(i);
-        tt = absolute_inverse(blocks_[i]);
-        rr = absolute_inverse(blocks_[i + 1]);
+        inverse = {absolute_inverse(frame.tt), Mat3<T>::Zero(), absolute_inverse(frame.rr)};
       }
       T* p = &frame_inverse_[48 * j];
-      store(tt, p);
-      store(tr, p + 12);
-      store(tr.transpose(), p + 24);
-      store(rr, p + 36);
+      store(inverse.tt, p);
+      store(inverse.tr, p + 12);
+      store(inverse.tr.transpose(), p + 24);
+      store(inverse.rr, p + 36);
     }
   }
 
-  static Mat3<T> masked(const Mat3<T>& A, const Vector<T>& free, std::size_t row, std::size_t column) {
-    return block(free, static_cast<std::ptrdiff_t>(row)).asDiagonal() * A *
-           block(free, static_cast<std::ptrdiff_t>(column)).asDiagonal();
-  }
-  // False if A is not positive definite.
-  static bool invert(const Mat3<T>& A, Mat3<T>& inverse) {
-    const Mat3<T> c = cofactor(A);
-    const T det = A.col(0).dot(c.col(0));
-    inverse = c.transpose() / det;
-    return A(0, 0) > T(0) && c(2, 2) > T(0) && det > T(0);
-  }
   static Mat3<T> absolute_inverse(const Mat3<T>& A) {
     Mat3<T> inverse = Mat3<T>::Zero();
     for (int k = 0; k < 3; ++k) inverse(k, k) = std::abs(A(k, k)) > T(0) ? 1 / std::abs(A(k, k)) : T(1);

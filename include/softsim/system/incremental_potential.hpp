@@ -22,6 +22,9 @@ struct StepTerms {
   Vector<T> inertia = {};  ///< m/s^2
   Vector<T> drift = {};    ///< m/s; may be empty: zero
   Vector<T> constant = {};  ///< N, minus a force; may be empty: zero
+  /// The velocity that forces are taken with is damping d - drift, and frames' gyroscopic forces are counted
+  /// at it; else they are in `constant`.
+  bool gyroscopic = true;
 };
 
 /// What an implicit step or a static solve minimises, with d = difference(q_0, q) and `StepTerms`:
@@ -52,6 +55,11 @@ class IncrementalPotential {
   /// The system of the last `set_static` or `set_step`.
   [[nodiscard]] const S& system() const { return *system_; }
 
+  /// Whether the residual is the gradient of `value`. In a step of frames it is not: inertia in the axes of
+  /// bodies that turn derives from nothing.
+  [[nodiscard]] bool minimises() const {
+    return conservative && (terms_ == nullptr || system_->frames() == 0);
+  }
   /// Value at q, J.
   [[nodiscard]] double value(const State<T>& q) const {
     double sum = system_->energy(q);
@@ -69,7 +77,7 @@ class IncrementalPotential {
     }
     d_ -= centre_;
     product_.setZero();
-    system_->mass.add_product(d_, T(1), product_);
+    system_->mass.add_product(q, d_, T(1), product_);
     return sum + mass_ / 2 * dot(d_, product_);
   }
 
@@ -110,13 +118,18 @@ class IncrementalPotential {
     if (terms_ == nullptr) return external_ > 0 ? external_ : internal;
     if (terms_->constant.size() > 0) g += terms_->constant;
     difference(*from_, q, d_);
+    if (terms_->gyroscopic && system_->frames() > 0) {
+      direction_ = static_cast<T>(terms_->damping) * d_;
+      if (terms_->drift.size() > 0) direction_ -= terms_->drift;
+      system_->mass.add_gyroscopic(q, direction_, T(1), g);
+    }
     if (const double beta = system_->damping.beta; beta != 0) {
       direction_ = static_cast<T>(beta * terms_->damping) * d_;
       if (terms_->drift.size() > 0) direction_ -= static_cast<T>(beta) * terms_->drift;
       system_->add_elastic_hessian_product(*from_, direction_, g);
     }
     d_ -= centre_;
-    system_->mass.add_product(d_, static_cast<T>(mass_), g);
+    system_->mass.add_product(q, d_, static_cast<T>(mass_), g);
     return external_ > 0 ? external_ : std::max(internal, inertia_);
   }
 
@@ -156,7 +169,7 @@ class IncrementalPotential {
     mass_ = terms->mass + alpha * terms->damping;
     centre_ = terms->inertia;
     product_.setZero();
-    system.mass.add_product(centre_, T(1), product_);
+    system.mass.add_product(*q_0, centre_, T(1), product_);
     inertia_ = norm(product_);
     if (alpha != 0 && terms->drift.size() > 0) centre_ += static_cast<T>(alpha) * terms->drift;
     centre_ /= static_cast<T>(mass_);

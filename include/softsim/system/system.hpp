@@ -189,10 +189,12 @@ class System {
     std::apply([&](const auto&... term) { (f(term), ...); }, terms);
   }
 
-  /// M v . v / 2, J.
-  [[nodiscard]] double kinetic_energy(const Vector<T>& v) const {
+  /// M v . v / 2 of points, J; frames count as if they were at rest.
+  [[nodiscard]] double kinetic_energy(const Vector<T>& v) const { return kinetic_energy(rest_state(), v); }
+  /// M(q) v . v / 2, J.
+  [[nodiscard]] double kinetic_energy(const State<T>& q, const Vector<T>& v) const {
     Vector<T> p = Vector<T>::Zero(v.size());
-    mass.add_product(v, T(1), p);
+    mass.add_product(q, v, T(1), p);
     return dot(v, p) / 2;
   }
 

@@ -73,7 +73,7 @@ class AssembledTangent {
   /// Linearises `system` at q (and q_0, if its weight is not zero).
   void set(const S& system, const State<T>& q, const TangentWeights& weights, const State<T>* q_0 = nullptr) {
     if (number_ != system.number() || stencils_ != detail::stencil_count(system) ||
-        mass_places_.size() != system.mass.couplings())
+        couplings_ != system.mass.couplings() || frame_masses_ != system.mass.frames().size())
       make_pattern(system);
     system_ = &system;
     matrix_.set_zero();
@@ -82,13 +82,17 @@ class AssembledTangent {
       detail::add_stiffness<false>(system, *q_0, weights.lagged, 1, places_, matrix_.values());
     if (weights.mass != 0) {
       const T w = static_cast<T>(weights.mass);
-      for (std::size_t i = 0; i < diagonal_.size(); ++i)
+      const std::size_t points = system.mass.frames().size() > 0 ? system.points() : diagonal_.size();
+      for (std::size_t i = 0; i < points; ++i)
         matrix_.block(diagonal_[i]).diagonal() +=
             w * block(system.mass.diagonal(), static_cast<std::ptrdiff_t>(i));
       std::size_t k = 0;
       system.mass.for_each_coupling([&](std::int32_t i, std::int32_t j, T m) {
         if (i < j) matrix_.block(mass_places_[k] / 2).diagonal().array() += w * m;
         ++k;
+      });
+      system.mass.frames().for_each_block(q, [&](std::int32_t, std::int32_t, const Mat3<T>& M) {
+        matrix_.block(mass_places_[k++] / 2) += w * M;
       });
     }
   }
@@ -122,6 +126,9 @@ class AssembledTangent {
   void make_pattern(const S& system) {
     number_ = system.number();
     stencils_ = detail::stencil_count(system);
+    couplings_ = system.mass.couplings();
+    frame_masses_ = system.mass.frames().size();
+    const State<T> rest = system.rest_state();
     const std::size_t n = system.rest().size();
     std::vector<std::pair<std::int32_t, std::int32_t>> blocks;
     for (std::size_t i = 0; i < n; ++i)
@@ -136,6 +143,8 @@ class AssembledTangent {
         });
     });
     system.mass.for_each_coupling([&](std::int32_t i, std::int32_t j, T) { blocks.emplace_back(i, j); });
+    system.mass.frames().for_each_block(
+        rest, [&](std::int32_t i, std::int32_t j, const Mat3<T>&) { blocks.emplace_back(i, j); });
     matrix_ = SymmetricBlockMatrix<T>(n, std::move(blocks));
     const auto place = [&](std::int32_t i, std::int32_t j) { return matrix_.place(i, j); };
     places_.clear();
@@ -149,11 +158,13 @@ class AssembledTangent {
     mass_places_.clear();
     system.mass.for_each_coupling(
         [&](std::int32_t i, std::int32_t j, T) { mass_places_.push_back(place(i, j)); });
+    system.mass.frames().for_each_block(
+        rest, [&](std::int32_t i, std::int32_t j, const Mat3<T>&) { mass_places_.push_back(place(i, j)); });
   }
 
   const S* system_ = nullptr;
   std::uint64_t number_ = 0;
-  std::size_t stencils_ = 0;
+  std::size_t stencils_ = 0, couplings_ = 0, frame_masses_ = 0;
   SymmetricBlockMatrix<T> matrix_;
   std::vector<std::vector<std::int32_t>> places_;
   std::vector<std::int32_t> diagonal_, frame_, mass_places_;
@@ -228,7 +239,7 @@ class MatrixFreeTangent {
       scratch_ = static_cast<T>(weights_.lagged) * x;
       system_->add_elastic_hessian_product(*q_0_, scratch_, y);
     }
-    if (weights_.mass != 0) system_->mass.add_product(x, static_cast<T>(weights_.mass), y);
+    if (weights_.mass != 0) system_->mass.add_product(*q_, x, static_cast<T>(weights_.mass), y);
     system_->prescribed.mask(y);
   }
 
@@ -253,6 +264,15 @@ class MatrixFreeTangent {
       blocks[i] =
           static_cast<T>(weights_.mass) *
           block(system_->mass.diagonal(), static_cast<std::ptrdiff_t>(i)).asDiagonal().toDenseMatrix();
+    const std::size_t points = system_->points();
+    if (weights_.mass != 0)
+      system_->mass.frames().for_each_block(*q_, [&](std::int32_t i, std::int32_t j, const Mat3<T>& M) {
+        const std::size_t row = static_cast<std::size_t>(i), column = static_cast<std::size_t>(j);
+        if (row == column)
+          blocks[row] = static_cast<T>(weights_.mass) * M;
+        else if (column == row + 1 && (row - points) % 2 == 0)
+          blocks[n + (row - points) / 2] = static_cast<T>(weights_.mass) * M;
+      });
     T* values = blocks.front().data();
     detail::add_stiffness(*system_, *q_, weights_.stiffness, weights_.external, places_, values);
     if (weights_.lagged != 0)
