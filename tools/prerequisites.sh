@@ -28,6 +28,7 @@ lacks() {
     libbenchmark-dev) ! has_package benchmark benchmark ;;
     python3-matplotlib) ! has_matplotlib python3 && ! has_matplotlib /usr/bin/python3 ;;
     libspectra-dev) [ ! -f /usr/include/Spectra/SymGEigsShiftSolver.h ] ;;
+    libnanoflann-dev) [ ! -f /usr/include/nanoflann.hpp ] ;;
     libsuitesparse-dev) [ ! -f /usr/include/suitesparse/cholmod.h ] ;;
     clang) ! command -v clang++ >/dev/null ;;
     libclang-rt-14-dev) # the sanitizers of clang

@@ -138,20 +138,22 @@ struct FrameSample {
     return f;
   }
 
+  /// sym(N_i) - tr(N_i) I: the block of frame i in `geometric_product`.
+  template <class T>
+  [[nodiscard]] static Mat3<T> geometric_block(const Data<T>& data, const Local<T, 0, N>& u, const Mat3<T>& P,
+                                               std::size_t i) {
+    const Mat3<T> moment = body_moment(data, u, P, i);
+    Mat3<T> block = symmetric_part(moment);
+    block.diagonal().array() -= trace(moment);
+    return block;
+  }
+
  private:
   // N_i, whose double contraction with [dr]x is the work of the torque.
   template <class T>
   static Mat3<T> body_moment(const Data<T>& data, const Local<T, 0, N>& u, const Mat3<T>& P, std::size_t i) {
     const Mat3<T> PA = P * data.lever[i].transpose();
     return PA + u.frames[i].turn.transpose() * PA;
-  }
-  template <class T>
-  static Mat3<T> geometric_block(const Data<T>& data, const Local<T, 0, N>& u, const Mat3<T>& P,
-                                 std::size_t i) {
-    const Mat3<T> moment = body_moment(data, u, P, i);
-    Mat3<T> block = symmetric_part(moment);
-    block.diagonal().array() -= trace(moment);
-    return block;
   }
 };
 

@@ -14,9 +14,10 @@ namespace softsim {
 /// Hyper-elastic mass links in the paper's own variables: the six squared edge lengths l of a tetrahedron, of
 /// which C = sum_k l_k C_k is a linear function (Goulette & Chen 2015, Appendices A to C):
 ///   I1 = vtr . l, I2 = ((vtr . l)^2 - l . Mtr l) / 2, s = dw/dl = w1 vtr + w2 (I1 vtr - Mtr l),
-/// and the force on a corner is the sum of 2 V s_k v_k over its edges v_k, with the volume's share (Table 3 and
-/// Eq. 29, corrected: the factor 2 of Saint Venant-Kirchhoff and of dI2/dl, the force on corner 0). It is
-/// here to be read, checked and counted; `Heml` computes the same with fewer operations and a quarter of the data.
+/// and the force on a corner is the sum of 2 V s_k v_k over its edges v_k, with the volume's share (Table 3
+/// and Eq. 29, corrected: the factor 2 of Saint Venant-Kirchhoff and of dI2/dl, the force on corner 0). It is
+/// here to be read, checked and counted; `Heml` computes the same with fewer operations and a quarter of the
+/// data.
 ///   v_1 = x_1 - x_0, v_2 = x_2 - x_0, v_3 = x_3 - x_0, v_4 = x_2 - x_1, v_5 = x_3 - x_2, v_6 = x_1 - x_3.
 template <class Law>
 requires InvariantLaw<Law>
@@ -24,8 +25,8 @@ struct EdgeLengths {
   static constexpr int points = 4;
   static constexpr bool translation_invariant = true, from_positions = true;
 
-  /// vtr_k = tr C_k and Mtr_kl = tr(C_k C_l) (upper triangle, row by row), 1/m^2 and 1/m^4; volume V in m^3 and
-  /// 1/(6 V).
+  /// vtr_k = tr C_k and Mtr_kl = tr(C_k C_l) (upper triangle, row by row), 1/m^2 and 1/m^4; volume V in m^3
+  /// and 1/(6 V).
   template <class T>
   struct Data {
     std::array<T, 6> vtr;
@@ -36,7 +37,8 @@ struct EdgeLengths {
   Law law;
 
   /// C_k = V^-T D_k V^-1, k = 0..5, with V the matrix of rest edges (Eqs. A.5, A.6).
-  [[nodiscard]] static std::array<Mat3<double>, 6> strain_of_length(const LinearTetrahedron::Data<double>& rest) {
+  [[nodiscard]] static std::array<Mat3<double>, 6> strain_of_length(
+      const LinearTetrahedron::Data<double>& rest) {
     const auto& g = rest.gradient;  // rows of V^-1
     const auto twice = [&](std::size_t i, std::size_t j) {
       return Mat3<double>(g[i] * g[j].transpose() + g[j] * g[i].transpose());

@@ -18,6 +18,7 @@
 #include "softsim/mesh/tetrahedral_mesh.hpp"
 #include "softsim/potential/discrete_gradient.hpp"
 #include "softsim/potential/elements.hpp"
+#include "softsim/potential/frame_blocks.hpp"
 #include "softsim/potential/isotropic_blocks.hpp"
 
 namespace softsim {
@@ -186,6 +187,13 @@ requires Kinematics<K> &&(Material<M> || MaterialField<M>)struct Elastic {
     Mat3<T> block = form.tangent.block_of_turned(form.gradient[i - 1], form.gradient[j - 1]);
     block *= form.volume;
     return block;
+  }
+
+  /// Calls add(i, j, block) for the blocks i <= j of `scale` times the Hessian of a sample between frames.
+  template <class T, class Add>
+  void add_blocks(const Data<T>& data, const Unknowns<K, T>& u, const T& scale, Add add) const
+      requires(std::is_same_v<K, FrameSample<frames>>) {
+    add_frame_blocks<frames>(shape(data), u, law(data), scale, add);
   }
 
  private:

@@ -38,6 +38,9 @@ namespace softsim {
 ///    products with the same tangent.
 ///  - `block_form(data, u)` and `hessian_block<i, j>(form)`, with `translation_invariant`: a 3x3 block of the
 ///    Hessian in closed form for 1 <= i <= j.
+///  - `add_blocks(data, u, scale, add)`, which calls add(i, j, block) for all blocks i <= j of the Hessian
+///  times
+///    scale.
 template <class E, class T>
 concept Linearisable = requires(const E& e, const typename E::template Data<T>& data, const Unknowns<E, T>& u,
                                 const Tangent<E, T>& du) {
@@ -263,7 +266,12 @@ class Elements : ElementChunks<E, T, N> {
     for (int k = 0; k < s.count; k += N, ++chunk, places += N * Places::stride) {
       const Places to{values, places, std::min(N, s.count - k), scale};
       const Unknowns<E, Value> u = gather(*chunk, from);
-      if constexpr (closed_blocks) {
+      if constexpr (requires {
+                      model.add_blocks(data_of(*chunk), u, Value(scale), [](int, int, Mat3<Value>) {});
+                    }) {
+        const auto add = [&](int i, int j, const Mat3<Value>& m) { to.add(i, j, m); };
+        model.add_blocks(data_of(*chunk), u, Value(scale), add);
+      } else if constexpr (closed_blocks) {
         detail::add_closed_blocks(model, model.block_form(data_of(*chunk), u), to);
       } else if constexpr (Linearisable<E, Value>) {
         const auto at = model.linearise(data_of(*chunk), u);

@@ -257,8 +257,8 @@ struct Heml {
 };
 
 /// Condition kappa of the edge form on one tetrahedron: longest edge times largest gradient of a shape
-/// function, about the ratio of its longest edge to its smallest height. The error of a force in it is at most
-/// about 1e-15 kappa^2 V (lambda + 2 mu) max|g_i|.
+/// function, about the ratio of its longest edge to its smallest height. The error of a force in it is at
+/// most about 1e-15 kappa^2 V (lambda + 2 mu) max|g_i|.
 [[nodiscard]] inline double edge_condition(const std::array<Vec3<double>, 4>& X) {
   const auto rest = LinearTetrahedron::make(X);
   double edge = 0;

@@ -11,15 +11,16 @@ namespace softsim {
 
 /// Blocks of the Hessian of V w(I1, I2, J) on a linear tetrahedron in closed form, the same for every route
 /// to it. With g_i the rest gradient of shape function i, i = 1..3:
-///   a_i = F g_i, c_i = cof(F) g_i, m_i = I1 a_i - F C g_i, B = F F^T, G_ij = g_i . g_j, s_ij = F (g_i x g_j),
-///   K_ij / V = 2 w1 G_ij I + 2 w2 ((I1 G_ij - a_i . a_j) I + 2 a_i a_j^T - a_j a_i^T - G_ij B) - wJ [s_ij]x
+///   a_i = F g_i, c_i = cof(F) g_i, m_i = I1 a_i - F C g_i, B = F F^T, G_ij = g_i . g_j, s_ij = F (g_i x
+///   g_j), K_ij / V = 2 w1 G_ij I + 2 w2 ((I1 G_ij - a_i . a_j) I + 2 a_i a_j^T - a_j a_i^T - G_ij B) - wJ
+///   [s_ij]x
 ///            + 4 w11 a_i a_j^T + 4 w12 (a_i m_j^T + m_i a_j^T) + 4 w22 m_i m_j^T
 ///            + 2 w1J (a_i c_j^T + c_i a_j^T) + 2 w2J (m_i c_j^T + c_i m_j^T) + wJJ c_i c_j^T.
 template <class Law, class T>
 struct IsotropicBlocks {
   std::array<Vec3<T>, 3> a, c, m;
-  std::array<Vec3<T>, 3> s;   ///< s_23, s_31, s_12, 1/m
-  std::array<T, 6> G;         ///< 11, 22, 33, 12, 13, 23, 1/m^2
+  std::array<Vec3<T>, 3> s;  ///< s_23, s_31, s_12, 1/m
+  std::array<T, 6> G;        ///< 11, 22, 33, 12, 13, 23, 1/m^2
   Mat3<T> B;
   T i1, volume;
   First<T> w;
@@ -52,8 +53,8 @@ struct IsotropicBlocks {
     if constexpr (Law::depends_on_i2) {
       const T two = T(2) * volume * w.w2;
       const T diagonal = along + two * (i1 * g - a[p].dot(a[q]));
-      const Vec3<T> ra = volume * (T(4) * w.w2 * a[q] + T(4) * (d.w11 * a[q] + d.w12 * m[q]) +
-                                   j_part(T(2) * d.w1j, c[q]));
+      const Vec3<T> ra =
+          volume * (T(4) * w.w2 * a[q] + T(4) * (d.w11 * a[q] + d.w12 * m[q]) + j_part(T(2) * d.w1j, c[q]));
       const Vec3<T> rm = volume * (T(4) * (d.w12 * a[q] + d.w22 * m[q]) + j_part(T(2) * d.w2j, c[q]));
       const Vec3<T> sa = two * a[p];
       const T gB = two * g;
