@@ -126,6 +126,16 @@ TEST(WriteVtu, WritesHexahedraAndTenNodeTetrahedra) {
                                              {"ten-node tetrahedron 0", "node 10", "10 points"});
 }
 
+TEST(WriteVtu, WritesVertices) {
+  const TemporaryFolder folder;
+  const std::vector<std::array<std::int32_t, 1>> vertices{{0}, {4}};
+  write_vtu(folder.path("vertices.vtu"), points, vertices, {displacement}, {pressure});
+  const std::string file = slurp(folder.path("vertices.vtu"));
+  EXPECT_EQ(decoded<std::int32_t>(file, "connectivity", "Int32"), (std::vector<std::int32_t>{0, 4}));
+  EXPECT_EQ(decoded<std::int64_t>(file, "offsets", "Int64"), (std::vector<std::int64_t>{1, 2}));
+  EXPECT_EQ(decoded<std::uint8_t>(file, "types", "UInt8"), (std::vector<std::uint8_t>{1, 1}));
+}
+
 TEST(WriteVtu, WritesNoElementsAndNumbersThatAreNotFinite) {
   const TemporaryFolder folder;
   write_vtu(folder.path("empty.vtu"), {}, {});

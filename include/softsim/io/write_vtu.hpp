@@ -165,6 +165,8 @@ struct VtuCell {
 template <std::size_t n>
 inline constexpr VtuCell vtu_cell{};
 template <>
+inline constexpr VtuCell vtu_cell<1>{1, "vertex"};
+template <>
 inline constexpr VtuCell vtu_cell<4>{10, "tetrahedron"};
 template <>
 inline constexpr VtuCell vtu_cell<8>{12, "hexahedron"};
@@ -231,12 +233,14 @@ inline void write_vtu(const std::string& path, const std::vector<Vec3<double>>& 
   detail::write_vtu_cells(path, points, tetrahedra, point_fields, cell_fields);
 }
 
-/// The same for hexahedra (n = 8) and ten-node tetrahedra (n = 10), nodes in VTK's order.
+/// The same for hexahedra (n = 8), ten-node tetrahedra (n = 10), nodes in VTK's order, and vertices (n = 1),
+/// which show points without a mesh: samples, frames.
 template <std::size_t n>
-requires(n == 8 || n == 10) void write_vtu(const std::string& path, const std::vector<Vec3<double>>& points,
-                                           const std::vector<std::array<std::int32_t, n>>& cells,
-                                           const std::vector<Field>& point_fields = {},
-                                           const std::vector<Field>& cell_fields = {}) {
+requires(n == 1 || n == 8 || n == 10) void write_vtu(const std::string& path,
+                                                     const std::vector<Vec3<double>>& points,
+                                                     const std::vector<std::array<std::int32_t, n>>& cells,
+                                                     const std::vector<Field>& point_fields = {},
+                                                     const std::vector<Field>& cell_fields = {}) {
   detail::write_vtu_cells(path, points, cells, point_fields, cell_fields);
 }
 
@@ -262,12 +266,12 @@ class VtuSeries {
            const std::vector<Field>& point_fields = {}, const std::vector<Field>& cell_fields = {}) {
     append(time, points, tetrahedra, point_fields, cell_fields);
   }
-  /// The same for hexahedra (n = 8) and ten-node tetrahedra (n = 10).
+  /// The same for hexahedra (n = 8), ten-node tetrahedra (n = 10) and vertices (n = 1).
   template <std::size_t n>
-  requires(n == 8 || n == 10) void add(double time, const std::vector<Vec3<double>>& points,
-                                       const std::vector<std::array<std::int32_t, n>>& cells,
-                                       const std::vector<Field>& point_fields = {},
-                                       const std::vector<Field>& cell_fields = {}) {
+  requires(n == 1 || n == 8 || n == 10) void add(double time, const std::vector<Vec3<double>>& points,
+                                                 const std::vector<std::array<std::int32_t, n>>& cells,
+                                                 const std::vector<Field>& point_fields = {},
+                                                 const std::vector<Field>& cell_fields = {}) {
     append(time, points, cells, point_fields, cell_fields);
   }
 
