@@ -25,10 +25,10 @@ namespace softsim {
 ///
 /// Frames in a row carry rigid sections, so that fields are linear along the row alone: `consistency` is 0.
 /// For a rod in bending, samples belong in the middle between frames, one section each (`sample_curve` with
-/// as many pieces as segments). Two frames at a distance h turned by theta_0 and theta_1 blend, at s in [0, 1]
-/// of their gap, to the shear strain (u_1 - u_0)/h - (theta_0 + theta_1)/2 + (1/2 - s) (theta_0 - theta_1).
-/// The last part comes with every bending and is zero in the middle alone; elsewhere it makes a rod of
-/// height t stiffer by the factor 1 + 12 (k G/E) (h/t)^2 (1/2 - s)^2, with shear factor k = 1.
+/// as many pieces as segments). Two frames at a distance h turned by theta_0 and theta_1 blend, at s in [0,
+/// 1] of their gap, to the shear strain (u_1 - u_0)/h - (theta_0 + theta_1)/2 + (1/2 - s) (theta_0 -
+/// theta_1). The last part comes with every bending and is zero in the middle alone; elsewhere it makes a rod
+/// of height t stiffer by the factor 1 + 12 (k G/E) (h/t)^2 (1/2 - s)^2, with shear factor k = 1.
 /// `LinkedShapes` has none of it.
 class PolylineShapes {
  public:

@@ -20,10 +20,13 @@ namespace softsim {
 /// maximum entropy) need it: turning every frame in its place by the same R then moves no point of the body,
 /// x = sum w_i (X_i + R (X - X_i)) = X, and there are more combinations like that, so that elastic forces
 /// leave some rotations undetermined, and loads find equilibria far away in them. With the tie they follow
-/// the frames that are held. Shape functions that are flat at the nodes, Shepard's for one, do without. What
-/// the tie adds to the stiffness in bending is about 3 gamma/E (h/t)^2 for frames at a distance h in a body
-/// of thickness t: a thousandth of Young's modulus is a good gamma with `BlockJacobi` or `Ldlt`;
-/// `IncompleteCholesky` amplifies what is nearly undetermined, and needs a hundredth.
+/// the frames that are held; in a free body the turn of all frames in place remains. Shape functions that are
+/// flat at the nodes, Shepard's for one, do without.
+///
+/// What the tie adds to the stiffness in bending is about gamma/E (h/t)^2 for frames at a distance h in a
+/// body of thickness t (measured on beams of hexahedra; 3 gamma/E (h/t)^2 bounds it). A thousandth of Young's
+/// modulus is a good gamma with `BlockJacobi` or `Ldlt`; `IncompleteCholesky` amplifies what is nearly
+/// undetermined, and needs a hundredth.
 template <int N>
 struct RotationTie {
   static constexpr int points = 0, frames = N;

@@ -101,7 +101,10 @@ template <class T>
 [[nodiscard]] Eigen::Matrix<double, Eigen::Dynamic, 3> effective_masses(const Mass<T>& mass,
                                                                         const Modes& modes) {
   Eigen::MatrixXd r = Eigen::MatrixXd::Zero(modes.shapes.rows(), 3);
-  for (std::ptrdiff_t i = 0; i < r.rows(); i += block_stride) r.block<3, 3>(i, 0).setIdentity();
+  const State<T> rest = mass.rest_state();
+  for (std::ptrdiff_t i = 0; i < rest.points(); ++i) r.block<3, 3>(block_stride * i, 0).setIdentity();
+  for (std::ptrdiff_t j = 0; j < rest.frames(); ++j)
+    r.block<3, 3>(block_stride * rest.frame_block(j), 0).setIdentity();  // and no rotation
   return (modes.shapes.transpose() * detail::mass_times(mass, r)).array().square();
 }
 

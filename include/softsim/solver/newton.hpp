@@ -228,7 +228,8 @@ class Newton {
     return norm(x_) <= 4 * static_cast<double>(std::numeric_limits<T>::epsilon()) * norm(q);
   }
 
-  // Norm of a displacement of every node by the diagonal of the body's bounding box, m.
+  // Norm of a displacement of every node by the diagonal of the body's bounding box, m, and of a turn of
+  // every frame by a radian: one frame alone has no other size.
   template <class System>
   static double length_of_body(const System& system) {
     Vec3<double> low = Vec3<double>::Zero(), high = low;
@@ -237,7 +238,8 @@ class Newton {
       low = low.cwiseMin(X);
       high = high.cwiseMax(X);
     }
-    return (high - low).norm() * std::sqrt(static_cast<double>(system.rest().size()));
+    return std::hypot((high - low).norm() * std::sqrt(static_cast<double>(system.rest().size())),
+                      std::sqrt(static_cast<double>(system.frames())));
   }
 
   // Along the gradient, preconditioned or as it is, from steps as long as the body down.

@@ -27,6 +27,10 @@ class FrameBody;
 ///
 /// Consistent: all of that, the frames coupled. Lumped: every frame is a rigid body of its share w_i m_s of
 /// the samples, one 6x6 block each; mass, centre and inertia of the whole body as it moves rigidly are exact.
+///
+/// With shape functions that reproduce linear fields some turns of frames move no sample (see `RotationTie`):
+/// the consistent matrix is singular then. It serves to find modes, with a tie, but integrators need the
+/// lumped one.
 template <class T>
 class FrameMass {
  public:

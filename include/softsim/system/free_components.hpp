@@ -72,17 +72,28 @@ class FreeComponents {
       });
     return made_of(entries);
   }
-  /// Rows and columns of a mass matrix of the free components, both triangles.
+  /// Rows and columns of a mass matrix of the free components, both triangles, with frames as they are at
+  /// rest.
   template <class T>
   [[nodiscard]] Eigen::SparseMatrix<double> matrix(const Mass<T>& mass) const {
     std::vector<Eigen::Triplet<double>> entries;
-    for (std::ptrdiff_t k = 0; k < size(); ++k)
+    const State<T> rest = mass.rest_state();
+    for (std::ptrdiff_t k = 0; k < size() && flat(k) < block_stride * rest.points(); ++k)
       entries.emplace_back(static_cast<int>(k), static_cast<int>(k),
                            static_cast<double>(mass.diagonal()[flat(k)]));
     mass.for_each_coupling([&](std::int32_t i, std::int32_t j, T m) {
       for (int axis = 0; axis < 3; ++axis)
         if (number(i, axis) >= 0 && number(j, axis) >= 0)
           entries.emplace_back(number(i, axis), number(j, axis), static_cast<double>(m));
+    });
+    mass.frames().for_each_block(rest, [&](std::int32_t i, std::int32_t j, const Mat3<T>& m) {
+      for (int a = 0; a < 3; ++a)
+        for (int b = 0; b < 3; ++b) {
+          const std::int32_t row = number(i, a), column = number(j, b);
+          if (row < 0 || column < 0) continue;
+          entries.emplace_back(row, column, static_cast<double>(m(a, b)));
+          if (i != j) entries.emplace_back(column, row, static_cast<double>(m(a, b)));
+        }
     });
     return made_of(entries);
   }

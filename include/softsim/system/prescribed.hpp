@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -64,13 +66,16 @@ class Prescribed {
     block(free_, first + 1).setZero();
     target_.quaternion(frame) = rotation.normalized().template cast<T>();
   }
-  /// Prescribes one component of the rotation (axis 0, 1 or 2 of the body): that of the rotation vector from
-  /// the frame's rotation to its target, which is no rotation unless it was set before. Two of them held make
-  /// a hinge about the third.
+  /// Prescribes one component of the rotation (axis 0, 1 or 2 of the body), which is brought to that of the
+  /// target: no rotation unless it was set before. Two of them held make a hinge about the third: a twist
+  /// about that axis is all that may be left. One held alone lets the frame turn about the two others, whose
+  /// turns do not commute, and then takes back what has become a twist about it.
   void hold_rotation(std::int32_t frame, int axis) {
     if (axis < 0 || axis > 2) invalid(std::string("axis ") + std::to_string(axis) + ": must be 0, 1 or 2");
     block(free_, first_block(frame) + 1)[axis] = T(0);
   }
+  /// Lets the rotation of a frame go; its target stays that of `hold_rotation`.
+  void release_rotation(std::int32_t frame) { block(free_, first_block(frame) + 1).setOnes(); }
   /// Fixes frames at rest.
   void fix_frames(const std::vector<std::int32_t>& frames) {
     for (const std::int32_t j : frames) set_frame(j, Vec3<double>::Zero(), {0, 0, 0, 1});
@@ -96,10 +101,12 @@ class Prescribed {
   /// Zeroes the prescribed components of v.
   void mask(Vector<T>& v) const { v.array() *= free_.array(); }
 
-  /// d = difference(q, target) on prescribed components, 0 on free ones. Returns the largest |component|, m
-  /// or rad.
+  /// d = the increment of prescribed components from q to their target, 0 on free ones. Returns the largest
+  /// |component|, m or rad.
   double increment(const State<T>& q, Vector<T>& d) const {
-    difference(q, target_, d);
+    d.array() = target_.displacement.array() - q.displacement.array();
+    for (std::ptrdiff_t j = 0; j < q.frames(); ++j)
+      block(d, q.frame_block(j) + 1) = turn(j, q.quaternion(j), target_.quaternion(j));
     return masked(d);
   }
   /// The same to where these components are after a fraction of the way from `start` to their target.
@@ -109,15 +116,35 @@ class Prescribed {
                 static_cast<T>(fraction) * (target_.displacement - start.displacement).array() -
                 q.displacement.array();
     for (std::ptrdiff_t j = 0; j < q.frames(); ++j) {
-      const Vec3<T> way =
-          static_cast<T>(fraction) * rotation_between<T>(start.quaternion(j), target_.quaternion(j));
+      const Vec3<T> way = static_cast<T>(fraction) * turn(j, start.quaternion(j), target_.quaternion(j));
       const UnitQuaternion<T> goal = quaternion_product<T>(start.quaternion(j), quaternion_exponential(way));
-      block(d, q.frame_block(j) + 1) = rotation_between<T>(q.quaternion(j), goal);
+      block(d, q.frame_block(j) + 1) = turn(j, q.quaternion(j), goal);
     }
     return masked(d);
   }
 
  private:
+  // The rotation vector along the held axes of frame j that takes a to b, or with free axes as far as that
+  // is their matter. With a hinge, exp([r]x) is the swing of the rotation between them and what is left a
+  // twist about the free axis. (Components of the rotation vector between them would mix with the twist, and
+  // corrections by them run away from the hinge once it has turned by 109 degrees.)
+  Vec3<T> turn(std::ptrdiff_t j, const UnitQuaternion<T>& a, const UnitQuaternion<T>& b) const {
+    const Vec3<T> open = block(free_, target_.frame_block(j) + 1);
+    const int axes = static_cast<int>(open.sum());
+    if (axes == 3) return Vec3<T>::Zero();
+    UnitQuaternion<T> between = quaternion_product<T>({-a[0], -a[1], -a[2], a[3]}, b);
+    UnitQuaternion<T> twist = between;  // about the axis that is alone, free or held
+    for (int axis = 0; axis < 3; ++axis)
+      if (open[axis] != (axes == 1 ? T(1) : T(0))) twist[axis] = T(0);
+    if (twist.isZero(0)) twist[3] = T(1);  // half a turn about another axis
+    if (axes == 2) between = twist;
+    if (axes == 1)
+      between = quaternion_product<T>(between, UnitQuaternion<T>(-twist[0], -twist[1], -twist[2], twist[3]));
+    // Of any norm for the logarithm. A turn below the rounding of a quaternion is none.
+    constexpr T rounding = 4 * std::numeric_limits<T>::epsilon();
+    const Vec3<T> r = quaternion_logarithm(between);
+    return r.squaredNorm() > rounding * rounding ? r : Vec3<T>(Vec3<T>::Zero());
+  }
   // Leaves what is prescribed of d; its largest |component|.
   double masked(Vector<T>& d) const {
     d.array() *= T(1) - free_.array();
