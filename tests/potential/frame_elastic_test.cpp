@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <stdexcept>
+#include <vector>
 
 #include "potential/frame_bodies.hpp"
 #include "softsim/integrator/static_solver.hpp"
@@ -68,12 +70,84 @@ void derives(const S& system, double tolerance) {
   EXPECT_LT((Hd - difference).norm(), 1e-6 * difference.norm());
 }
 
+// A law whose stiffness is a sample's own.
+struct StiffnessField {
+  template <class T>
+  struct Data {
+    T factor;
+  };
+  template <class T>
+  struct Scaled {
+    StVenantKirchhoff law;
+    T factor;
+    [[nodiscard]] T energy_density(const Mat3<T>& F) const { return factor * law.energy_density(F); }
+    [[nodiscard]] Mat3<T> first_piola(const Mat3<T>& F) const {
+      Mat3<T> P = law.first_piola(F);
+      P *= factor;
+      return P;
+    }
+    [[nodiscard]] Mat3<T> first_piola_differential(const Mat3<T>& F, const Mat3<T>& dF) const {
+      Mat3<T> dP = law.first_piola_differential(F, dF);
+      dP *= factor;
+      return dP;
+    }
+  };
+  StVenantKirchhoff law;
+  template <class T>
+  [[nodiscard]] Scaled<T> at(const Data<T>& data) const {
+    return {law, data.factor};
+  }
+};
+
 TEST(FrameElastic, DerivesFromItsEnergyAtLargeRotations) {
   const auto frames = cube();
   derives(System(frames.nodes, elastic(frames.body, law)), 1e-8);
   derives(System(frames.nodes, elastic<double, 1>(frames.body, law)), 1e-8);
   derives(System(frames.nodes, gravity(frames.body, 3, {1, -2, 3})), 1e-8);
   derives(System(frames.nodes, rotation_tie(frames.body, 2)), 1e-8);
+}
+
+// Every sample may have parameters, a law's data, and a scalar of its own.
+TEST(FrameElastic, LawsDifferFromSampleToSample) {
+  const auto frames = cube();
+  State<double> q = frames.nodes.rest_state();
+  retract(q, increment(q, 0.3, 1));
+  std::vector<std::int32_t> index;
+  for (std::size_t s = 0; s < frames.body.size(); ++s) index.push_back(s % 3 == 0 ? 1 : 0);
+  const auto soft = StVenantKirchhoff::from_young_poisson(10, 0.3),
+             hard = StVenantKirchhoff::from_young_poisson(30, 0.1);
+  double expected = 0;
+  for (std::size_t s = 0; s < frames.body.size(); ++s) {
+    Local<double, 0, 8> u;
+    for (std::size_t i = 0; i < 8; ++i) {
+      const std::ptrdiff_t j = frames.body.blends()[s].frames[i];
+      u.frames[i] = {q.translation(j), q.rotation(j) - M::Identity()};
+    }
+    const M F = FrameSample<8>::deformation_gradient(frames.body.data()[s], u);
+    expected += frames.body.volumes()[s] * (index[s] == 1 ? hard : soft).energy_density(F);
+  }
+  EXPECT_NEAR(elastic(frames.body, std::vector{soft, hard}, index).energy(q), expected, 1e-12 * expected);
+  EXPECT_THROW((void)elastic(frames.body, std::vector{soft, hard}), std::invalid_argument);
+  EXPECT_THROW((void)elastic(frames.body, std::vector<StVenantKirchhoff>{}), std::invalid_argument);
+  index.pop_back();
+  EXPECT_THROW((void)elastic(frames.body, std::vector{soft, hard}, index), std::invalid_argument);
+
+  // a law with data of its own: Young's modulus
+  std::vector<StiffnessField::Data<double>> stiffness;
+  for (std::size_t s = 0; s < frames.body.size(); ++s) stiffness.push_back({s % 2 == 0 ? 1.0 : 3.0});
+  const auto field = elastic(frames.body, StiffnessField{soft}, stiffness);
+  const double one = elastic(frames.body, soft).energy(q), mixed = field.energy(q);
+  EXPECT_GT(mixed, one);
+  EXPECT_LT(mixed, 3 * one);
+  derives(System(frames.nodes, field), 1e-8);
+  stiffness.pop_back();
+  EXPECT_THROW((void)elastic(frames.body, StiffnessField{soft}, stiffness), std::invalid_argument);
+
+  // single precision
+  State<float> p = frames.nodes.rest_state<float>();
+  p.displacement = q.displacement.cast<float>();
+  const double single = elastic<float>(frames.body, soft).energy(p);
+  EXPECT_NEAR(single, one, 1e-5 * one);
 }
 
 // Both tangents, matrix-free and assembled, are the same product; block diagonals included.

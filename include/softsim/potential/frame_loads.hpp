@@ -88,7 +88,7 @@ struct FrameMoment {
 template <int N>
 class FrameLoad {
  public:
-  /// No force on `body`.
+  /// No force on `body`, which has to stay alive while forces are added.
   explicit FrameLoad(const FrameBody<N>& body) : body_(&body) {}
 
   /// Adds the force f in N at sample s, shared out between its frames as its motion is.
