@@ -18,11 +18,13 @@ namespace softsim {
 /// before.
 ///
 /// Weights that reproduce linear fields then reproduce quadratic ones by sum_i w_i (u_i + grad u_i (X -
-/// X_i)/2): from u = X^T A X, the sum is X^T A sum w_i X_i = u. With the whole arm it is not u but overshoots
-/// by as much as linear interpolation falls short, and bending comes with a shear strain of that size:
-/// frames lock as trilinear hexahedra do. Half the arm is the linked interpolation of beams (Tessler & Dong
-/// 1981) and that of elements with drilling rotations (Allman 1984). Frames only know the rotation in grad u:
-/// strains that vary keep the error of the weights.
+/// X_i)/2): from u = X^T A X, the sum is X^T A sum w_i X_i = u. With the whole arm it overshoots by as much
+/// as linear interpolation falls short. Frames on meshes answer by turning half as far as the body does: they
+/// deform as well under small displacements, but a moment on them bends the body half as much as it should.
+/// Where sections are rigid (`PolylineShapes`) frames cannot do that, and bending comes with shear. Half the
+/// arm is the linked interpolation of beams (Tessler & Dong 1981) and that of elements with drilling
+/// rotations (Allman 1984). Frames only know the rotation in grad u: strains that vary keep the error of the
+/// weights.
 template <NodeShapes Shapes>
 class LinkedShapes {
  public:
