@@ -156,6 +156,114 @@ def organ_force_history(rows):
     return figure
 
 
+@study
+def frame_statics(rows):
+    """Like Figs 4.12 and 4.13 of Bosman 2015: error of the tip against unknowns, frames beside elements."""
+    figure, panels = plt.subplots(1, 3, figsize=(12.5, 4.4), sharey=True)
+    titles = {"steel_across": "Steel beam: cells across", "steel_along": "Steel beam: cells along",
+              "soft": "Soft beam, large deflection"}
+    methods = [("frames_8_whole_halfway", "frames, 8 neighbours", BLUE, "o-"),
+               ("frames_8_whole_gauss", "the same, Gauss points", BLUE, "o:"),
+               ("frames_8_half_gauss", "the same, half arms", SKY, "s:"),
+               ("frames_4_whole", "frames, 4 neighbours", GREEN, "^-"),
+               ("hexahedra", "hexahedra", ORANGE, "D--"), ("tetrahedra", "tetrahedra", RED, "v--")]
+    for axes, (problem, title) in zip(panels, titles.items()):
+        for method, label, colour, style in methods:
+            of = pick(rows, problem=problem, method=method, quantity="uz")
+            axes.loglog(column(of, "unknowns"), [100 * abs(r["relative_error"]) for r in of], style, color=colour,
+                        lw=1.2, ms=5, mfc="none", label=label)
+        axes.set(title=title, xlabel="unknowns")
+    panels[0].set(ylabel="error of the deflection (%)")
+    panels[0].legend(loc="lower left")
+    return figure
+
+
+@study
+def frame_rods(rows):
+    """Distance of the tip from its reference over the length, against the number of frames."""
+    problems = {"elastica_tip_4": "Elastica, tip load α = 4", "elastica_uniform_10": "Elastica, uniform load β = 10",
+                "bend_45_force_600": "45° bend, F = 600", "roll_up": "Roll-up to a circle"}
+    methods = [("linear_1_section", "linear, one section a gap", BLUE, "o-"),
+               ("linear_2_sections", "linear, two sections a gap", BLUE, "o:"),
+               ("linked_1_section", "linked, one", GREEN, "s-"), ("linked_2_sections", "linked, two", GREEN, "s:"),
+               ("shepard_4_sections", "Shepard, four", RED, "v--")]
+    figure, panels = plt.subplots(1, 4, figsize=(13.5, 4), sharey=True)
+    for axes, (problem, title) in zip(panels, problems.items()):
+        for method, label, colour, style in methods:
+            of = pick(rows, problem=problem, method=method)
+            axes.loglog(column(of, "frames"), column(of, "error"), style, color=colour, lw=1.2, ms=5, mfc="none",
+                        label=label)
+        axes.set(title=title, xlabel="frames")
+        axes.set_xticks([5, 9, 17, 33, 65], ["5", "9", "17", "33", "65"])
+        axes.minorticks_off()
+    panels[0].set(ylabel="distance of the tip over the length")
+    panels[0].set(ylim=(2e-5, None))
+    panels[0].legend(loc="lower left", fontsize=7.5)
+    return figure
+
+
+@study
+def frame_dynamics(rows):
+    """Worst errors so far of energy and angular momentum of a body that tumbles and swings."""
+    figure, panels = plt.subplots(1, 2, figsize=(10.5, 4.2))
+    colours = {"semi_explicit_euler": RED, "velocity_verlet": ORANGE, "implicit_midpoint": BLUE,
+               "newmark": GREEN, "generalised_alpha": PURPLE}
+    steps = sorted({r["dt_s"] for r in rows})
+    for axes, what, title in ((panels[0], "energy_error", "Energy"),
+                              (panels[1], "angular_momentum_error", "Angular momentum")):
+        for name, colour in colours.items():
+            for dt, line in zip(steps, ("-", "--", ":")):
+                worst, of = [], pick(rows, integrator=name, dt_s=dt)
+                for r in of:
+                    worst.append(max(abs(r[what]), worst[-1] if worst else 0))
+                axes.semilogy(column(of, "time_s"), worst, line, color=colour, lw=1.2,
+                              label=name.replace("_", " ") if dt == steps[0] else None)
+        axes.set(title=title, xlabel="time (s)", ylabel="worst relative error so far")
+    for dt, line in zip(steps, ("-", "--", ":")):
+        panels[0].plot([], [], line, color="black", label=f"step {1e3 * dt:g} ms")
+    panels[0].legend(ncols=2, loc="lower right")
+    return figure
+
+
+@study
+def frame_tables(rows):
+    """Bosman's times beside ours, and how the cost grows with samples and neighbours."""
+    figure, panels = plt.subplots(1, 3, figsize=(12.5, 4.2))
+    left, middle, right = panels
+    for table, colour, marker in (("4.3", BLUE, "o"), ("4.5", GREEN, "s"), ("4.6", PURPLE, "^")):
+        of = [r for r in rows if str(r["table"]) in (table, str(float(table))) and r["thesis_ms"] > 0]
+        best = {}
+        for r in of:
+            key = (r["frames"], r["samples"], r["neighbours"])
+            best[key] = min((r["ms"], r["thesis_ms"]), best.get(key, (1e300, 0)))
+        left.loglog([t for _, t in best.values()], [m for m, _ in best.values()], marker, color=colour, mfc="none",
+                    label=f"Table {table}")
+    limits = [min(left.get_xlim()[0], 5), max(left.get_xlim()[1], 5000)]
+    for factor in (1, 10, 100):
+        left.loglog(limits, [x / factor for x in limits], ":", color="grey", lw=0.9)
+        left.annotate(f"{factor} times" if factor > 1 else "equal", (limits[0] * 1.3, limits[0] * 1.3 / factor),
+                      fontsize=8.5, color="0.3", rotation=35)
+    left.set(xlabel="thesis, processor of 2010 (ms)", ylabel="one core today (ms)",
+             title="One implicit step, the faster route")
+    left.legend(loc="lower right")
+    for what, colour, style in (("assembled", BLUE, "o-"), ("matrix_free", RED, "s-")):
+        of = sorted((r for r in rows if r["table"] == "samples" and r["what"] == what), key=lambda r: r["samples"])
+        middle.loglog(column(of, "samples"), column(of, "ms"), style, color=colour, mfc="none",
+                      label=what.replace("_", "-"))
+    middle.set(xlabel="samples (1,000 frames, 4 neighbours)", ylabel="step of 60 iterations (ms)",
+               title="Cost against samples")
+    middle.legend(loc="upper left")
+    for what, colour, style in (("force", BLUE, "o-"), ("product", RED, "s-")):
+        of = sorted((r for r in rows if r["table"] == "neighbours" and r["what"] == what),
+                    key=lambda r: r["neighbours"])
+        right.plot(column(of, "neighbours"), [1e6 * r["ms"] / r["samples"] for r in of], style, color=colour,
+                   mfc="none", label=what)
+    right.set(xlabel="neighbours a sample", ylabel="ns a sample", title="Cost against neighbours",
+              ylim=(0, None))
+    right.legend(loc="upper left")
+    return figure
+
+
 if __name__ == "__main__":
     folder = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else "out/studies")
     tables = [t for t in sorted(folder.glob("*.csv")) if t.stem in STUDIES]
