@@ -20,7 +20,8 @@ namespace softsim {
 ///   F = sum_i x_i g_i^T + R_i A_i,  g_i = grad w_i,  A_i = (X - X_i) g_i^T + w_i I.
 /// A_i is constant; other blends that are linear in x_i and R_i differ in it alone. Any partition of unity
 /// reproduces rigid motions. Two frames that are turned against each other by theta shrink the section
-/// between them by cos(theta/2): more frames help.
+/// between them by cos(theta/2): more frames help. Which shape functions leave rotations undetermined, or
+/// make frames turn less than the body, and what mends it: see `RotationTie` and `LinkedShapes`.
 template <int N>
 struct FrameSample {
   static constexpr int points = 0, frames = N;

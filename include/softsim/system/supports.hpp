@@ -43,7 +43,9 @@ inline double smallest_pivot(Matrix6 A) {
 
 /// Checks that no piece of the system can move as a rigid body: the six rigid motions of every connected
 /// piece must be stopped by its prescribed components (three nodes that are not in line, as many rollers, or
-/// a frame that is held in displacement and rotation).
+/// a frame that is held in displacement and rotation). Frames through shape functions that reproduce linear
+/// fields turn without the body (see `RotationTie`): there the places of three frames have to be held, which
+/// this check cannot see.
 /// @throws std::invalid_argument naming the first piece that is free to move and how many of its nodes are
 /// held
 template <class S>
