@@ -129,7 +129,8 @@ class Multigrid {
     for (const Vec3<double>& X : a.rest()) radius = std::max(radius, (X - centre).norm());
     finest_.modes.assign(18 * n, 0.0);
     const double scale = radius > 0 ? radius : 1.0;
-    const std::size_t points = n - 2 * a.frames();
+    std::size_t points = n;  // a matrix from elsewhere has no frames
+    if constexpr (requires { a.frames(); }) points -= 2 * a.frames();
     for (std::size_t i = 0; i < n; ++i) {
       const Vec3<double> X = (a.rest()[i] - centre) / scale;
       Eigen::Map<Eigen::Matrix<double, 3, 6, Eigen::RowMajor>> modes(&finest_.modes[18 * i]);
