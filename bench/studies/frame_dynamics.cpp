@@ -66,19 +66,6 @@ Motion<double> start(const S& system) {
 double energy(const S& system, const Motion<double>& motion) {
   return system.energy(motion.q) + system.kinetic_energy(motion.q, motion.v);
 }
-// About the origin of space.
-V angular_momentum(const S& system, const Motion<double>& motion) {
-  Vector<double> p = Vector<double>::Zero(system.size());
-  system.mass.add_product(motion.q, motion.v, 1, p);
-  V sum = V::Zero();
-  for (std::ptrdiff_t j = 0; j < motion.q.frames(); ++j) {
-    const std::ptrdiff_t b = motion.q.frame_block(j);
-    const V x = system.rest()[static_cast<std::size_t>(b)] + motion.q.translation(j);
-    sum += x.cross(block(p, b)) + motion.q.rotation(j) * block(p, b + 1);
-  }
-  return sum;
-}
-
 // Worst relative errors of energy and angular momentum.
 struct Errors {
   double energy = 0, momentum = 0;
@@ -90,7 +77,7 @@ Errors run(std::ostream& csv, const char* name, I integrator) {
   const S system = tumbling();
   Motion<double> motion = start(system);
   const double E = energy(system, motion), duration = 200;
-  const V L = angular_momentum(system, motion);
+  const V L = system.momentum(motion).angular;
   const int steps = static_cast<int>(std::lround(duration / integrator.dt()));
   Errors worst;
   for (int k = 1; k <= steps; ++k) {
@@ -100,7 +87,7 @@ Errors run(std::ostream& csv, const char* name, I integrator) {
                                std::string(report.reason));
     if (k % 10 != 0) continue;
     const double off_E = energy(system, motion) / E - 1,
-                 off_L = (angular_momentum(system, motion) - L).norm() / L.norm();
+                 off_L = (system.momentum(motion).angular - L).norm() / L.norm();
     worst.energy = std::max(worst.energy, std::abs(off_E));
     worst.momentum = std::max(worst.momentum, off_L);
     if (k % (steps / 100) == 0)

@@ -68,6 +68,17 @@ template <class T>
 struct FrameValue {
   Vec3<T> displacement;
   Mat3<T> turn;  ///< R - I
+
+  /// R A: columns in the axes of the body into those of space.
+  template <int columns>
+  [[nodiscard]] Eigen::Matrix<T, 3, columns> to_space(const Eigen::Matrix<T, 3, columns>& A) const {
+    return A + turn * A;
+  }
+  /// R^T A: columns in the axes of space into those of the body.
+  template <int columns>
+  [[nodiscard]] Eigen::Matrix<T, 3, columns> to_body(const Eigen::Matrix<T, 3, columns>& A) const {
+    return A + turn.transpose() * A;
+  }
 };
 /// Values of the unknowns of one stencil: displacements of its P points in m, and its Q frames.
 template <class T, int P, int Q = 0>

@@ -38,22 +38,6 @@ Motion<double> tumbling(const System& system) {
   return motion;
 }
 
-struct Momenta {
-  Vec linear = Vec::Zero(), angular = Vec::Zero();
-};
-template <class System>
-Momenta momenta(const System& system, const Motion<double>& motion) {
-  Vector<double> p = Vector<double>::Zero(motion.v.size());
-  system.mass.add_product(motion.v, 1, p);
-  Momenta sum;
-  for (std::size_t i = 0; i < system.rest().size(); ++i) {
-    const auto k = static_cast<std::ptrdiff_t>(i);
-    sum.linear += softsim::block(p, k);
-    sum.angular += (system.rest()[i] + motion.q.point(k)).cross(Vec(softsim::block(p, k)));
-  }
-  return sum;
-}
-
 // ---------------------------------------------------------------- the discrete gradient of one element
 
 template <class Law>
@@ -120,13 +104,13 @@ void expect_conserved(const Law& law, double dt, int steps) {
   Motion<double> motion = tumbling(system);
   const auto energy = [&] { return system.energy(motion.q) + system.kinetic_energy(motion.v); };
   const double before = energy();
-  const Momenta start = momenta(system, motion);
+  const auto start = system.momentum(motion);
   softsim::EnergyMomentum<Body<Law>> integrator({.dt = dt, .tolerance = 1e-12});
   for (int k = 0; k < steps; ++k) {
     const auto report = integrator.step(system, motion);
     ASSERT_EQ(report.status, Status::converged) << k << " " << report.reason << " " << report.residual;
   }
-  const Momenta end = momenta(system, motion);
+  const auto end = system.momentum(motion);
   // what Newton's method leaves of every step, added up in the worst case
   EXPECT_NEAR(energy() / before, 1, 1e-12 * steps);
   EXPECT_LT((end.linear - start.linear).norm(), 1e-12 * steps * start.linear.norm());

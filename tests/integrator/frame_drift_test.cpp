@@ -44,19 +44,6 @@ using S = decltype(brick());
 double energy(const S& system, const Motion<double>& motion) {
   return system.energy(motion.q) + system.kinetic_energy(motion.q, motion.v);
 }
-// About the origin of space.
-V angular_momentum(const S& system, const Motion<double>& motion) {
-  Vec p = Vec::Zero(system.size());
-  system.mass.add_product(motion.q, motion.v, 1, p);
-  V sum = V::Zero();
-  for (std::ptrdiff_t j = 0; j < motion.q.frames(); ++j) {
-    const std::ptrdiff_t b = motion.q.frame_block(j);
-    const V x = nodes.frames()[static_cast<std::size_t>(j)] + motion.q.translation(j);
-    sum += x.cross(block(p, b)) + motion.q.rotation(j) * block(p, b + 1);
-  }
-  return sum;
-}
-
 // Takes so many steps of h, and calls `observe` after each.
 struct Method {
   std::string name;
@@ -116,11 +103,11 @@ TEST(FrameDrift, FreeBody) {
     for (std::size_t fine = 0; fine < 2; ++fine) {
       Motion<double> motion = start(system, false);
       const double E = energy(system, motion);
-      const V L = angular_momentum(system, motion);
+      const V L = system.momentum(motion).angular;
       const int steps = fine == 0 ? 1000 : 2000;
       m.run(system, motion, 2.0 / steps, steps, [&] {
         off_E[fine] = std::max(off_E[fine], std::abs(energy(system, motion) / E - 1));
-        off_L[fine] = std::max(off_L[fine], (angular_momentum(system, motion) - L).norm() / L.norm());
+        off_L[fine] = std::max(off_L[fine], (system.momentum(motion).angular - L).norm() / L.norm());
       });
     }
     EXPECT_NEAR(std::log2(off_E[0] / off_E[1]), m.order, 0.1) << m.name;

@@ -44,22 +44,6 @@ Motion<T> random_motion(const SystemOf<T>& system) {
   return motion;
 }
 
-/// Linear and angular momentum.
-struct Momentum {
-  Vec linear = Vec::Zero(), angular = Vec::Zero();
-};
-inline Momentum momentum(const System& system, const Motion<double>& motion) {
-  Vector<double> p = Vector<double>::Zero(motion.v.size());
-  system.mass.add_product(motion.v, 1, p);
-  Momentum sum;
-  for (std::size_t i = 0; i < system.rest().size(); ++i) {
-    const auto k = static_cast<std::ptrdiff_t>(i);
-    sum.linear += block(p, k);
-    sum.angular += (system.rest()[i] + motion.q.point(k)).cross(Vec(block(p, k)));
-  }
-  return sum;
-}
-
 /// q and v after `steps` steps, velocities scaled by 1/100 s, one vector.
 template <class Integrator, class S>
 Vector<double> after(Integrator integrator, S& system, Motion<double> motion, int steps) {

@@ -10,8 +10,8 @@
 
 #include "integrator/moving_bodies.hpp"
 #include "softsim/integrator/adaptive_runge_kutta.hpp"
-#include "softsim/integrator/implicit.hpp"
 #include "softsim/integrator/energy_controlled.hpp"
+#include "softsim/integrator/implicit.hpp"
 #include "softsim/integrator/semi_explicit_euler.hpp"
 #include "softsim/integrator/velocity_verlet.hpp"
 #include "softsim/potential/prony.hpp"

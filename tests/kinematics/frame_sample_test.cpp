@@ -9,6 +9,7 @@
 #include <string>
 
 #include "kinematics/frame_reference.hpp"
+#include "refusal.hpp"
 #include "softsim/core/rotation.hpp"
 #include "softsim/kinematics/frame_matrices.hpp"
 #include "softsim/material/mooney_rivlin.hpp"
@@ -319,36 +320,26 @@ TEST(FrameSample, ATwistBetweenTwoFramesShrinksTheSection) {
   EXPECT_NEAR(std::pow(std::cos(pi / 18), 2), 0.96985, 1e-5);
 }
 
-template <class Function>
-std::string message_of(Function f) {
-  try {
-    f();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "";
-}
-
 TEST(FrameSample, RefusesWhatIsNoBlend) {
   const std::array<V, 2> X = {V::Zero(), V(1, 0, 0)};
   const V x(0.5, 0, 0);
   const std::array<V, 2> g = {V(-1, 0, 0), V(1, 0, 0)};
-  EXPECT_EQ(message_of([&] {
+  EXPECT_EQ(refusals::refusal([&] {
               (void)FrameSample<2>::make(x, X, {0.5, 0.6}, g, 1);
             }),
             "weights sum to 1.1, they have to sum to 1");
-  EXPECT_EQ(message_of([&] {
+  EXPECT_EQ(refusals::refusal([&] {
               (void)FrameSample<2>::make(x, X, {0.5, 0.5}, {g[1], g[1]}, 1);
             }),
             "gradients of the weights sum to 2 1/m, they have to sum to 0");
-  EXPECT_EQ(message_of([&] {
+  EXPECT_EQ(refusals::refusal([&] {
               (void)FrameSample<2>::make(x, X, {0.5, 0.5}, g, -1);
             }),
             "volume -1 m^3 is not positive and finite");
   const std::array<M, 2> lever = {M::Identity(), M::Identity()};
-  EXPECT_EQ(message_of([&] { (void)FrameSample<2>::make(X, g, lever, 1); }),
+  EXPECT_EQ(refusals::refusal([&] { (void)FrameSample<2>::make(X, g, lever, 1); }),
             "F at rest is off the identity by 2.44948974");
-  EXPECT_NE(message_of([&] { (void)FrameSample<2>::make(x, X, {NAN, 0.5}, g, 1); }), "");
+  EXPECT_NE(refusals::refusal([&] { (void)FrameSample<2>::make(x, X, {NAN, 0.5}, g, 1); }), "");
 }
 
 }  // namespace frame_sample_test

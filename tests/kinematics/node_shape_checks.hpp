@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "refusal.hpp"
 #include "softsim/kinematics/node_shapes.hpp"
 
 namespace node_shape_checks {
@@ -124,14 +125,6 @@ void expect_gradients_are_derivatives(const Shapes& shapes, const Vec& x, double
     EXPECT_LT(error.norm(), tolerance) << node << " at " << x.transpose();
 }
 
-template <class Function>
-void expect_refused(Function f, const std::string& message) {
-  try {
-    f();
-    ADD_FAILURE() << "accepted; expected: " << message;
-  } catch (const std::invalid_argument& error) {
-    EXPECT_EQ(std::string(error.what()), message);
-  }
-}
+using refusals::expect_refused;
 
 }  // namespace node_shape_checks

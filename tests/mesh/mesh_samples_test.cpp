@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "refusal.hpp"
 #include "softsim/mesh/generators.hpp"
 #include "softsim/mesh/hexahedral_mesh.hpp"
 #include "softsim/mesh/quadratic_tetrahedral_mesh.hpp"
@@ -18,15 +19,7 @@ namespace mesh_samples_test {
 using softsim::ElementRule, softsim::ElementSamples, softsim::equal_samples, softsim::gauss_samples;
 using Vec = softsim::Vec3<double>;
 
-template <class Function>
-void expect_message(Function f, const std::string& message) {
-  try {
-    f();
-    ADD_FAILURE() << "accepted; expected: " << message;
-  } catch (const std::invalid_argument& error) {
-    EXPECT_EQ(error.what(), message);
-  }
-}
+using refusals::expect_refused;
 
 /// A sheared box: elements are affine images of their reference shapes.
 const softsim::Mat3<double> shear =
@@ -134,15 +127,15 @@ TEST(EqualSamples, LieInsideAndShareEqually) {
 }
 
 TEST(MeshSamples, RefuseOtherNumbers) {
-  expect_message([] { (void)gauss_samples(tetrahedra, 5); },
+  expect_refused([] { (void)gauss_samples(tetrahedra, 5); },
                  "Gauss points 5: must be 1, 4 or 14 in a tetrahedron");
-  expect_message([] { (void)equal_samples(tetrahedra, 5); },
+  expect_refused([] { (void)equal_samples(tetrahedra, 5); },
                  "per_element 5: must be a tetrahedral number such as 4 or 10");
-  expect_message([] { (void)equal_samples(tetrahedra, 0); },
+  expect_refused([] { (void)equal_samples(tetrahedra, 0); },
                  "per_element 0: must be a tetrahedral number such as 1");
-  expect_message([] { (void)equal_samples(hexahedra, 10); },
+  expect_refused([] { (void)equal_samples(hexahedra, 10); },
                  "per_element 10: must be a cube such as 8 or 27");
-  expect_message([] { (void)equal_samples(quadratic, -3); },
+  expect_refused([] { (void)equal_samples(quadratic, -3); },
                  "per_element -3: must be a tetrahedral number such as 1");
 }
 

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "refusal.hpp"
 #include "softsim/mesh/generators.hpp"
 #include "softsim/mesh/surface_domain.hpp"
 #include "surfaces.hpp"
@@ -29,15 +30,7 @@ auto unit_ball() {
                         {.volume = 4 * pi / 3});
 }
 
-template <class Function>
-void expect_message(Function f, const std::string& message) {
-  try {
-    f();
-    ADD_FAILURE() << "accepted; expected: " << message;
-  } catch (const std::invalid_argument& error) {
-    EXPECT_EQ(error.what(), message);
-  }
-}
+using refusals::expect_refused;
 
 double smallest_distance(const Points& points) {
   double smallest = std::numeric_limits<double>::infinity();
@@ -146,7 +139,7 @@ TEST(PoissonDisk, CoversPartsThatTheFrontDoesNotReach) {
 TEST(PoissonDisk, RefusesBadInput) {
   const auto ball = unit_ball();
   const auto refuse = [&](double spacing, int tries, const std::string& message) {
-    expect_message([&] { (void)poisson_disk(ball, spacing, {.tries = tries}); }, message);
+    expect_refused([&] { (void)poisson_disk(ball, spacing, {.tries = tries}); }, message);
   };
   refuse(0, 30, "spacing 0: must be positive and finite");
   refuse(-1, 30, "spacing -1: must be positive and finite");
@@ -156,8 +149,8 @@ TEST(PoissonDisk, RefusesBadInput) {
   refuse(0.1, 0, "tries 0: must be at least 1");
   EXPECT_THROW((void)poisson_disk(ball, 1e-5), std::invalid_argument);
   const ImplicitDomain nothing([](const Vec&) { return 1.0; }, ball.box(), {.volume = 1.0});
-  expect_message([&] { (void)poisson_disk(nothing, 0.5); }, "spacing 0.5: found no point inside the domain");
-  expect_message([&] { (void)poisson_disk_count(ball, 0); }, "n 0: must be at least 1");
+  expect_refused([&] { (void)poisson_disk(nothing, 0.5); }, "spacing 0.5: found no point inside the domain");
+  expect_refused([&] { (void)poisson_disk_count(ball, 0); }, "n 0: must be at least 1");
 }
 
 TEST(PoissonDiskCount, GivesExactlyThatMany) {

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "refusal.hpp"
 #include "softsim/mesh/generators.hpp"
 #include "softsim/mesh/surface_domain.hpp"
 #include "surfaces.hpp"
@@ -26,15 +27,7 @@ auto unit_ball() {
                         {.volume = ball_volume});
 }
 
-template <class Function>
-void expect_message(Function f, const std::string& message) {
-  try {
-    f();
-    ADD_FAILURE() << "accepted; expected: " << message;
-  } catch (const std::invalid_argument& error) {
-    EXPECT_EQ(error.what(), message);
-  }
-}
+using refusals::expect_refused;
 
 /// The integral of f by the samples.
 template <class Function>
@@ -57,8 +50,8 @@ TEST(GaussLegendre, IsExactUpToItsDegree) {
         EXPECT_GT(std::abs(sum - exact), 1e-6) << n;
       }
     }
-  expect_message([] { (void)softsim::gauss_legendre(0); }, "Gauss points 0: must lie in [1, 64]");
-  expect_message([] { (void)softsim::gauss_legendre(65); }, "Gauss points 65: must lie in [1, 64]");
+  expect_refused([] { (void)softsim::gauss_legendre(0); }, "Gauss points 0: must lie in [1, 64]");
+  expect_refused([] { (void)softsim::gauss_legendre(65); }, "Gauss points 65: must lie in [1, 64]");
 }
 
 TEST(Samples, ASumOfManyEqualSharesKeepsItsDigits) {
@@ -130,13 +123,13 @@ TEST(EqualSamples, ShareTheVolume) {
 }
 
 TEST(Sample, RefusesBadInput) {
-  expect_message([] { (void)sample(unit_ball(), 0); }, "spacing 0: must be positive and finite");
-  expect_message([] { (void)sample(unit_ball(), 0.5, {.voxels_per_spacing = 0}); },
+  expect_refused([] { (void)sample(unit_ball(), 0); }, "spacing 0: must be positive and finite");
+  expect_refused([] { (void)sample(unit_ball(), 0.5, {.voxels_per_spacing = 0}); },
                  "voxels_per_spacing 0: must be positive");
-  expect_message([] { (void)sample(unit_ball(), 0.5, {.poisson_disk = {.tries = -1}}); },
+  expect_refused([] { (void)sample(unit_ball(), 0.5, {.poisson_disk = {.tries = -1}}); },
                  "tries -1: must be at least 1");
-  expect_message([] { (void)voronoi_samples(Voxels(unit_ball(), 0.5), {}); }, "samples: no positions");
-  expect_message([] { (void)equal_samples(unit_ball(), {}); }, "samples: no positions");
+  expect_refused([] { (void)voronoi_samples(Voxels(unit_ball(), 0.5), {}); }, "samples: no positions");
+  expect_refused([] { (void)equal_samples(unit_ball(), {}); }, "samples: no positions");
 }
 
 }  // namespace sampling_test

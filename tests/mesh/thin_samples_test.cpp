@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "refusal.hpp"
 #include "softsim/mesh/curve_samples.hpp"
 #include "softsim/mesh/surface_samples.hpp"
 #include "surfaces.hpp"
@@ -21,15 +22,7 @@ using softsim::Samples, softsim::Section, softsim::sample_curve, softsim::sample
 using Vec = softsim::Vec3<double>;
 constexpr double pi = std::numbers::pi, nan = std::numeric_limits<double>::quiet_NaN();
 
-template <class Function>
-void expect_message(Function f, const std::string& message) {
-  try {
-    f();
-    ADD_FAILURE() << "accepted; expected: " << message;
-  } catch (const std::invalid_argument& error) {
-    EXPECT_EQ(error.what(), message);
-  }
-}
+using refusals::expect_refused;
 
 /// Area, first moments, second moments along y and z, mixed.
 std::array<double, 6> moments(const Section& section) {
@@ -133,7 +126,7 @@ TEST(SampleCurve, RefusesBadInput) {
   const Section disc = softsim::disc(0.1);
   const auto refuse = [&](const std::vector<Vec>& curve, const Section& section, int n, const Vec& axis,
                           const std::string& message) {
-    expect_message([&] { (void)sample_curve(curve, section, n, axis); }, message);
+    expect_refused([&] { (void)sample_curve(curve, section, n, axis); }, message);
   };
   const std::vector<Vec> line{{0, 0, 0}, {1, 0, 0}};
   refuse({{0, 0, 0}}, disc, 1, {0, 1, 0}, "curve: 1 points, must be at least 2");
@@ -147,11 +140,11 @@ TEST(SampleCurve, RefusesBadInput) {
     EXPECT_THROW((void)sample_curve(line, disc, 1, axis), std::invalid_argument);
   refuse(line, disc, 1, {2, 0, 0},
          "width_axis (2, 0, 0): must be finite and not along the start of the curve");
-  expect_message([] { (void)softsim::disc(0.1, 5); }, "disc: points 5: must be 1, 4 or 7");
-  expect_message([] { (void)softsim::disc(0); }, "disc: radius 0: must be positive and finite");
-  expect_message([] { (void)softsim::rectangle(1, -2); },
+  expect_refused([] { (void)softsim::disc(0.1, 5); }, "disc: points 5: must be 1, 4 or 7");
+  expect_refused([] { (void)softsim::disc(0); }, "disc: radius 0: must be positive and finite");
+  expect_refused([] { (void)softsim::rectangle(1, -2); },
                  "rectangle 1 x -2: sides must be positive and finite");
-  expect_message([] { (void)softsim::rectangle(1, 2, 0); }, "Gauss points 0: must lie in [1, 64]");
+  expect_refused([] { (void)softsim::rectangle(1, 2, 0); }, "Gauss points 0: must lie in [1, 64]");
 }
 
 const std::vector<Vec> square{{0, 0, 1}, {2, 0, 1}, {2, 3, 1}, {0, 3, 1}};
@@ -246,25 +239,25 @@ TEST(SampleSurfaceApart, DoesNotMindTheTriangles) {
 }
 
 TEST(SampleSurface, RefusesBadInput) {
-  expect_message([] { (void)sample_surface(square, {}, 0.1, 1); }, "surface: no triangles");
-  expect_message(
+  expect_refused([] { (void)sample_surface(square, {}, 0.1, 1); }, "surface: no triangles");
+  expect_refused(
       [] {
         (void)sample_surface(square, {{0, 1, 4}}, 0.1, 1);
       },
       "triangle 0: point 4 is out of range (the surface has 4 points)");
-  expect_message(
+  expect_refused(
       [] {
         (void)sample_surface({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {{0, 1, 2}}, 0.1, 1);
       },
       "triangle 0: degenerate, area 0 m^2 at longest edge 2 m");
-  expect_message([] { (void)sample_surface(square, halves, 0, 1); },
+  expect_refused([] { (void)sample_surface(square, halves, 0, 1); },
                  "thickness 0: must be positive and finite");
-  expect_message([] { (void)sample_surface(square, halves, 0.1, 0); }, "layers 0: must lie in [1, 64]");
-  expect_message([] { (void)sample_surface(square, halves, 0.1, 1, 4); },
+  expect_refused([] { (void)sample_surface(square, halves, 0.1, 0); }, "layers 0: must lie in [1, 64]");
+  expect_refused([] { (void)sample_surface(square, halves, 0.1, 1, 4); },
                  "points_per_triangle 4: must be 1, 3 or 6");
-  expect_message([] { (void)sample_surface_apart(square, halves, 0.1, 1, 0); },
+  expect_refused([] { (void)sample_surface_apart(square, halves, 0.1, 1, 0); },
                  "spacing 0: must be positive and finite");
-  expect_message([] { (void)sample_surface_apart(square, halves, 0.1, 1, 0.1, {.tries = 0}); },
+  expect_refused([] { (void)sample_surface_apart(square, halves, 0.1, 1, 0.1, {.tries = 0}); },
                  "tries 0: must be at least 1");
   EXPECT_THROW((void)sample_surface_apart(square, halves, 0.1, 1, 4), std::invalid_argument);
   EXPECT_THROW((void)sample_surface_apart(square, halves, 0.1, 1, 1e-5), std::invalid_argument);

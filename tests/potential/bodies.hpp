@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "refusal.hpp"
 #include "softsim/core/state.hpp"
 #include "softsim/mesh/generators.hpp"
 #include "softsim/mesh/tetrahedral_mesh.hpp"
@@ -127,15 +128,6 @@ double relative_error(const A& a, const B& b) {
   return (a.template cast<double>() - b.template cast<double>()).norm() / b.template cast<double>().norm();
 }
 
-/// What f says when it refuses its arguments; empty if it takes them.
-template <class Function>
-std::string refusal(Function&& f) {
-  try {
-    (void)f();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return {};
-}
+using refusals::refusal;
 
 }  // namespace bodies

@@ -121,77 +121,13 @@ TEST_P(FrameShapes, ForcesAndTangentsDeriveFromTheEnergy) {
   const Body body = GetParam().make();
   const System system(body.nodes, elastic<double, 1>(body.body, law));
   const State<double> q = far_from_rest(body);
-  const Vec d = frame_bodies::increment(q, 1, 2);
-  const auto at = [&](double s) {
-    State<double> p = q;
-    retract(p, d, s);
-    return p;
-  };
-  const auto energy = [&](double s) { return system.energy(at(s)); };
-  const auto gradient = [&](double s) {
-    Vec g = Vec::Zero(q.size());
-    system.add_gradient(at(s), g);
-    return g;
-  };
-  const double h = 1e-3, e = 1e-5;
-  const Vec g = gradient(0);
-  const double slope = (8 * (energy(h) - energy(-h)) - (energy(2 * h) - energy(-2 * h))) / (12 * h);
-  EXPECT_NEAR(g.dot(d), slope, 1e-6 * std::abs(slope));
-  Vec Hd = Vec::Zero(q.size());
-  system.add_hessian_product(q, d, Hd);
-  const double curvature =
-      (-energy(2 * h) + 16 * energy(h) - 30 * energy(0) + 16 * energy(-h) - energy(-2 * h)) / (12 * h * h);
-  EXPECT_NEAR(d.dot(Hd), curvature, 1e-6 * std::abs(curvature));
-  AssembledTangent<std::decay_t<decltype(system)>> tangent;
-  tangent.set(system, q, {});
-  Vec assembled(q.size());
-  tangent.apply(d, assembled);
-  EXPECT_LT((assembled - Hd).norm(), 1e-12 * Hd.norm());
-  const Vec difference = (gradient(e) - gradient(-e)) / (2 * e);
-  for (std::ptrdiff_t j = 0; j < q.frames(); ++j) {
-    const std::ptrdiff_t b = q.frame_block(j) + 1;
-    const V r = block(d, b), m = block(g, b);
-    block(Hd, b) -= 0.5 * r.cross(m);
-  }
-  EXPECT_LT((Hd - difference).norm(), 1e-6 * difference.norm());
+  frame_bodies::expect_derivatives(system, q, frame_bodies::increment(q, 1, 2));
 }
 
 TEST_P(FrameShapes, RigidMotionsTurnForcesAndDoNoWork) {
   const Body body = GetParam().make();
   const System system(body.nodes, elastic<double, 1>(body.body, law));
-  const State<double> q = far_from_rest(body);
-  const double energy = system.energy(q);
-  Vec g = Vec::Zero(q.size());
-  system.add_gradient(q, g);
-  std::mt19937 engine(3);
-  const auto random = [&] { return 2 * static_cast<double>(engine()) / 4294967296.0 - 1; };
-  for (int trial = 0; trial < 100; ++trial) {
-    const V r(3 * random(), 3 * random(), 3 * random()), t(10 * random(), 10 * random(), 10 * random());
-    const M R = rotation_exponential(r);
-    State<double> moved = q;
-    V force = V::Zero(), torque = V::Zero();
-    Vec there = Vec::Zero(q.size());
-    for (std::ptrdiff_t j = 0; j < q.frames(); ++j) {
-      const V X = body.nodes.frames()[static_cast<std::size_t>(j)];
-      moved.translation(j) = R * (X + q.translation(j)) + t - X;
-      moved.quaternion(j) = quaternion_product<double>(quaternion_exponential(r), q.quaternion(j));
-    }
-    EXPECT_NEAR(system.energy(moved), energy, 1e-10 * energy);
-    system.add_gradient(moved, there);
-    double worst = 0;
-    for (std::ptrdiff_t j = 0; j < q.frames(); ++j) {
-      const std::ptrdiff_t b = q.frame_block(j);
-      worst = std::max({worst, (block(there, b) - R * block(g, b)).norm(),
-                        (block(there, b + 1) - block(g, b + 1)).norm()});
-      force += block(there, b);
-      torque +=
-          (body.nodes.frames()[static_cast<std::size_t>(j)] + moved.translation(j)).cross(block(there, b)) +
-          moved.rotation(j) * block(there, b + 1);
-    }
-    EXPECT_LT(worst, 1e-11 * g.norm());
-    EXPECT_LT(force.norm(), 1e-11 * g.norm());
-    EXPECT_LT(torque.norm(), 1e-10 * g.norm());
-  }
+  frame_bodies::expect_objective(system, far_from_rest(body), 100);
 }
 
 // Where shape functions reproduce linear fields, a uniform strain is one of the body's states.

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "potential/frame_bodies.hpp"
+#include "refusal.hpp"
 #include "softsim/integrator/static_solver.hpp"
 #include "softsim/kinematics/shepard.hpp"
 #include "softsim/material/neo_hookean.hpp"
@@ -29,16 +30,6 @@ using Vec = Vector<double>;
 using V = Vec3<double>;
 using M = Mat3<double>;
 
-template <class Function>
-std::string message_of(Function f) {
-  try {
-    f();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "";
-}
-
 // Four frames in a row, samples around their line.
 std::vector<V> row(int n = 4) {
   std::vector<V> X;
@@ -59,7 +50,7 @@ const auto law = StVenantKirchhoff::from_young_poisson(10, 0.3);
 
 TEST(FrameSystem, RefusesWhatIsNoFrame) {
   const auto message = [](std::vector<V> X, std::vector<UnitQuaternion<double>> axes = {}) {
-    return message_of([&] { FrameNodes(X, axes); });
+    return refusals::refusal([&] { FrameNodes(X, axes); });
   };
   EXPECT_EQ(message({}), "frames: there are none");
   EXPECT_EQ(message({V(0, NAN, 0)}), "frame 0: a coordinate is not a finite number");
@@ -72,61 +63,69 @@ TEST(FrameSystem, RefusesSamplesThatFollowNothing) {
   const FrameNodes nodes(row());
   const Shepard<> near(nodes.frames(), {.radius = 0.4});
   const std::vector<double> one(1, 0.1);
-  EXPECT_NE(message_of([&] {
+  EXPECT_NE(refusals::refusal([&] {
               FrameBody<4>(nodes, near, {V(1.5, 0, 0)}, one);
             }).find("sample 0: shape functions at (1.5, 0, 0): no node is within"),
             std::string::npos);
   const Shepard<> two(nodes.frames(), {.nearest = 2});
-  EXPECT_EQ(message_of([&] { FrameBody<4>(nodes, two, {V(0.5, 0, 0)}, one); }), "frame 2: no sample sees it");
+  EXPECT_EQ(refusals::refusal([&] { FrameBody<4>(nodes, two, {V(0.5, 0, 0)}, one); }),
+            "frame 2: no sample sees it");
   const Shepard<> all(nodes.frames());
-  EXPECT_EQ(message_of([&] { FrameBody<2>(nodes, all, {V(0.5, 0, 0)}, one); }),
+  EXPECT_EQ(refusals::refusal([&] { FrameBody<2>(nodes, all, {V(0.5, 0, 0)}, one); }),
             "sample 0: 4 frames reach it, a sample of this body follows 2: fewer neighbours or a smaller "
             "support are needed");
-  EXPECT_EQ(message_of([&] {
+  EXPECT_EQ(refusals::refusal([&] {
               FrameBody<4>(nodes, all, {V(0.5, 0, 0)}, {0.1, 0.2});
             }),
             "samples: 1 positions, 2 volumes and 1 lists of weights");
-  EXPECT_EQ(message_of([&] { FrameBody<4>(nodes, all, {V(0.5, 0, 0)}, {-0.1}); }),
+  EXPECT_EQ(refusals::refusal([&] { FrameBody<4>(nodes, all, {V(0.5, 0, 0)}, {-0.1}); }),
             "sample 0: volume -0.1 m^3 is not positive and finite");
-  EXPECT_EQ(message_of([&] { FrameBody<4>(nodes, Shepard<>(row(3)), {V(0.5, 0, 0)}, one); }),
+  EXPECT_EQ(refusals::refusal([&] { FrameBody<4>(nodes, Shepard<>(row(3)), {V(0.5, 0, 0)}, one); }),
             "shape functions of 3 nodes that are not the 4 frames");
-  EXPECT_EQ(message_of([&] { FrameBody<8>(nodes, all, {V(0.5, 0, 0)}, one); }),
+  EXPECT_EQ(refusals::refusal([&] { FrameBody<8>(nodes, all, {V(0.5, 0, 0)}, one); }),
             "frames: 4 are fewer than the 8 that a sample follows");
   ShapeValues values = all.at(V(0.5, 0, 0));
   values.values[1] += 0.1;
-  EXPECT_EQ(message_of([&] { FrameBody<4>(nodes, {values}, {V(0.5, 0, 0)}, one); }),
+  EXPECT_EQ(refusals::refusal([&] { FrameBody<4>(nodes, {values}, {V(0.5, 0, 0)}, one); }),
             "sample 0: weights sum to 1.1, they have to sum to 1");
   values.values[1] -= 0.1;
   values.nodes[2] = 7;
-  EXPECT_EQ(message_of([&] { FrameBody<4>(nodes, {values}, {V(0.5, 0, 0)}, one); }),
+  EXPECT_EQ(refusals::refusal([&] { FrameBody<4>(nodes, {values}, {V(0.5, 0, 0)}, one); }),
             "sample 0: frame 7 does not exist");
 }
 
 TEST(FrameSystem, RefusesMassesAndLoadsThatAreNone) {
   const FrameNodes nodes(row());
   const FrameBody<4> line(nodes, Shepard<>(nodes.frames()), row(), std::vector<double>(4, 0.1));
-  EXPECT_EQ(message_of([&] { (void)Mass<double>::lumped(line, 1); }),
+  EXPECT_EQ(refusals::refusal([&] { (void)Mass<double>::lumped(line, 1); }),
             "mass of frame 0: its samples have no inertia about some axis: spread them over a cross-section");
   const FrameBody<4> body = rod(nodes);
-  EXPECT_EQ(message_of([&] { (void)Mass<double>::consistent(body, -1); }),
+  EXPECT_EQ(refusals::refusal([&] { (void)Mass<double>::consistent(body, -1); }),
             "density -1 kg/m^3: must be positive and finite");
-  EXPECT_EQ(message_of([&] { FrameLoad<4>(body).add(24, {1, 0, 0}); }), "load on sample 24: out of range");
-  EXPECT_EQ(message_of([&] { (void)moments(nodes, {4}, {V(1, 0, 0)}); }), "moment on frame 4: out of range");
-  EXPECT_EQ(message_of([&] {
+  EXPECT_EQ(refusals::refusal([&] {
+              FrameLoad<4>(body).add(24, {1, 0, 0});
+            }),
+            "load on sample 24: out of range");
+  EXPECT_EQ(refusals::refusal([&] { (void)moments(nodes, {4}, {V(1, 0, 0)}); }),
+            "moment on frame 4: out of range");
+  EXPECT_EQ(refusals::refusal([&] {
               DeadLoad<double>(1, 4).add_to_frame(4, {1, 0, 0});
             }),
             "load on frame 4: out of range");
-  EXPECT_EQ(message_of([&] { DeadLoad<double>(1, 4).add(1, {1, 0, 0}); }), "load on node 1: out of range");
+  EXPECT_EQ(refusals::refusal([&] {
+              DeadLoad<double>(1, 4).add(1, {1, 0, 0});
+            }),
+            "load on node 1: out of range");
   System system(nodes, elastic(body, law));
-  EXPECT_EQ(message_of([&] {
+  EXPECT_EQ(refusals::refusal([&] {
               system.prescribed.set_frame(4, V::Zero(), {0, 0, 0, 1});
             }),
             "prescribed frame 4: out of range (there are 4)");
-  EXPECT_EQ(message_of([&] {
+  EXPECT_EQ(refusals::refusal([&] {
               system.prescribed.set_rotation(0, {0, 0, 0, 2});
             }),
             "prescribed frame 0: quaternion of norm 2, it has to be 1");
-  EXPECT_EQ(message_of([&] { system.prescribed.set(1, V::Zero()); }),
+  EXPECT_EQ(refusals::refusal([&] { system.prescribed.set(1, V::Zero()); }),
             "prescribed block 1 is the rotation of frame 0: see set_rotation");
 }
 
@@ -136,11 +135,11 @@ TEST(FrameSystem, OneHeldFrameIsASupport) {
   System system(nodes, elastic(rod(nodes), law));
   system.prescribed.set(system.prescribed.first_block(0), V::Zero());
   EXPECT_EQ(
-      message_of([&] { require_supports(system); }),
+      refusals::refusal([&] { require_supports(system); }),
       "static solve: piece 0 (4 nodes, around 1.5, 0, 0) is free to move: 1 of its nodes is held, and at "
       "least three that are not in line are needed, or one frame, in its rotation too");
   system.prescribed.fix_frames({0});
-  EXPECT_EQ(message_of([&] { require_supports(system); }), "");
+  EXPECT_EQ(refusals::refusal([&] { require_supports(system); }), "");
 }
 
 // Rotations that are prescribed are reached, by load steps along the way too, and a hinge turns about its

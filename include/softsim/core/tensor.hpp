@@ -71,6 +71,15 @@ template <class T>
   return m;
 }
 
+/// Symmetric matrix B with A : [v]x^2 = v . B v for every v: sym(A) - tr(A) I, since [v]x^2 = v v^T - |v|^2
+/// I. With A = R^T P A_i^T it is the second derivative of P : R exp([v]x) A_i along a rotation.
+template <class T>
+[[nodiscard]] Mat3<T> squared_skew_form(const Mat3<T>& A) {
+  Mat3<T> B = symmetric_part(A);
+  B.diagonal().array() -= trace(A);
+  return B;
+}
+
 /// Vector a with A : [v]x = a . v for every v (twice the axial vector of the skew part of A).
 template <class T>
 [[nodiscard]] Vec3<T> axial(const Mat3<T>& A) {

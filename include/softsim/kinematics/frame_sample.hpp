@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <string>
 
@@ -106,7 +108,7 @@ struct FrameSample {
       Mat3<T> turned;
       for (int k = 0; k < 3; ++k) turned.col(k) = dr.cross(data.lever[i].col(k));
       dF += du.template segment<3>(at) * data.gradient[i].transpose();
-      dF += turned + u.frames[i].turn * turned;
+      dF += u.frames[i].to_space(turned);
     }
     return dF;
   }
@@ -143,18 +145,14 @@ struct FrameSample {
   template <class T>
   [[nodiscard]] static Mat3<T> geometric_block(const Data<T>& data, const Local<T, 0, N>& u, const Mat3<T>& P,
                                                std::size_t i) {
-    const Mat3<T> moment = body_moment(data, u, P, i);
-    Mat3<T> block = symmetric_part(moment);
-    block.diagonal().array() -= trace(moment);
-    return block;
+    return squared_skew_form(body_moment(data, u, P, i));
   }
 
  private:
   // N_i, whose double contraction with [dr]x is the work of the torque.
   template <class T>
   static Mat3<T> body_moment(const Data<T>& data, const Local<T, 0, N>& u, const Mat3<T>& P, std::size_t i) {
-    const Mat3<T> PA = P * data.lever[i].transpose();
-    return PA + u.frames[i].turn.transpose() * PA;
+    return u.frames[i].to_body(Mat3<T>(P * data.lever[i].transpose()));
   }
 };
 

@@ -13,8 +13,8 @@ namespace softsim {
 /// The shape functions that do not vanish at one point x, in ascending order of their nodes. A field with the
 /// nodal values u_i is sum_i values_i u_i there, and its gradient sum_i u_i gradients_i^T. Where shape
 /// functions take the gradients of the field at the nodes too (generalised moving least squares),
-/// sum_i grad u_i slopes_i is added to the value, and slope_gradients_i(k, j) is the derivative of slopes_i[k]
-/// along axis j; else these two are empty.
+/// sum_i grad u_i slopes_i is added to the value, and slope_gradients_i(k, j) is the derivative of
+/// slopes_i[k] along axis j; else these two are empty.
 struct ShapeValues {
   std::vector<std::int32_t> nodes;
   std::vector<double> values;

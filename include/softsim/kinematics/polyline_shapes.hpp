@@ -13,6 +13,7 @@
 #include "softsim/core/error.hpp"
 #include "softsim/core/tensor.hpp"
 #include "softsim/kinematics/node_shapes.hpp"
+#include "softsim/kinematics/point_text.hpp"
 #include "softsim/mesh/curve_samples.hpp"
 
 namespace softsim {
@@ -51,9 +52,7 @@ class PolylineShapes {
   /// The one or two shape functions at x (m).
   /// @throws std::invalid_argument if x is not finite
   [[nodiscard]] ShapeValues at(const Vec3<double>& x) const {
-    if (!x.allFinite())
-      invalid(std::string("point (") + to_text(x[0]) + ", " + to_text(x[1]) + ", " + to_text(x[2]) +
-              "): a coordinate is not a finite number");
+    if (!x.allFinite()) invalid("point " + detail::point_text(x) + ": a coordinate is not a finite number");
     std::size_t nearest = 0;
     double shortest = std::numeric_limits<double>::infinity(), s = 0;
     for (std::size_t i = 0; i + 1 < nodes_.size(); ++i) {

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <Eigen/Dense>
 #include <string>
 
 #include "softsim/core/error.hpp"

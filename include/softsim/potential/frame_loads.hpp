@@ -36,25 +36,18 @@ struct FrameDeadForces {
   [[nodiscard]] Eigen::Matrix<T, 6, 1> gradient(const Data<T>& data, const Local<T, 0, 1>& u) const {
     Eigen::Matrix<T, 6, 1> g;
     g.template head<3>() = -data.force;
-    g.template tail<3>() = -axial<T>(turned(data, u));
+    g.template tail<3>() = -axial<T>(u.frames[0].to_body(data.moment));
     return g;
   }
   /// The derivative of the torque, its symmetric part: see `FrameSample::geometric_product`.
   template <class T>
   [[nodiscard]] Eigen::Matrix<T, 6, 1> hessian_product(const Data<T>& data, const Local<T, 0, 1>& u,
                                                        const Eigen::Matrix<T, 6, 1>& du) const {
-    const Mat3<T> N = turned(data, u);
-    const Vec3<T> r = du.template tail<3>();
+    const Mat3<T> B = squared_skew_form(Mat3<T>(u.frames[0].to_body(data.moment)));
     Eigen::Matrix<T, 6, 1> g;
     g.template head<3>().setZero();
-    g.template tail<3>() = trace(N) * r - symmetric_part(N) * r;
+    g.template tail<3>() = -(B * du.template tail<3>());
     return g;
-  }
-
- private:
-  template <class T>
-  static Mat3<T> turned(const Data<T>& data, const Local<T, 0, 1>& u) {
-    return data.moment + u.frames[0].turn.transpose() * data.moment;
   }
 };
 
@@ -74,9 +67,10 @@ struct FrameMoment {
   [[nodiscard]] Eigen::Matrix<T, 6, 1> gradient(const Data<T>& data, const Local<T, 0, 1>& u) const {
     Eigen::Matrix<T, 6, 1> g;
     g.template head<3>().setZero();
-    g.template tail<3>() = -(data.moment + u.frames[0].turn.transpose() * data.moment);
+    g.template tail<3>() = -u.frames[0].to_body(data.moment);
     return g;
   }
+  /// Zero: [R^T m]x, the derivative of the torque, is skew.
   template <class T>
   [[nodiscard]] Eigen::Matrix<T, 6, 1> hessian_product(const Data<T>&, const Local<T, 0, 1>&,
                                                        const Eigen::Matrix<T, 6, 1>&) const {

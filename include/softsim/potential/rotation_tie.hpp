@@ -54,7 +54,7 @@ struct RotationTie {
     Eigen::Matrix<T, 6 * N, 1> f = Eigen::Matrix<T, 6 * N, 1>::Zero();
     for (std::size_t i = 0; i < count; ++i)
       f.template segment<3>(6 * static_cast<int>(i) + 3) =
-          T(-1) * stiffness(data) * data.weight[i] * axial<T>(back(u, i, mean));
+          T(-1) * stiffness(data) * data.weight[i] * axial<T>(u.frames[i].to_body(mean));
     return f;
   }
 
@@ -69,13 +69,12 @@ struct RotationTie {
     Mat3<T> change = Mat3<T>::Zero();
     for (std::size_t i = 0; i < count; ++i) {
       const Mat3<T> r = skew<T>(rotation(i));
-      change += data.weight[i] * (r + u.frames[i].turn * r);
+      change += data.weight[i] * u.frames[i].to_space(r);
     }
     Eigen::Matrix<T, 6 * N, 1> f = Eigen::Matrix<T, 6 * N, 1>::Zero();
     for (std::size_t i = 0; i < count; ++i) {
-      const Mat3<T> moment = back(u, i, mean);
-      const Vec3<T> r = rotation(i);
-      const Vec3<T> along = axial<T>(back(u, i, change)) + symmetric_part(moment) * r - trace(moment) * r;
+      const Mat3<T> B = squared_skew_form(Mat3<T>(u.frames[i].to_body(mean)));
+      const Vec3<T> along = axial<T>(u.frames[i].to_body(change)) + B * rotation(i);
       f.template segment<3>(6 * static_cast<int>(i) + 3) = T(-1) * stiffness(data) * data.weight[i] * along;
     }
     return f;
@@ -91,11 +90,6 @@ struct RotationTie {
     Mat3<T> mean = Mat3<T>::Identity();
     for (std::size_t i = 0; i < count; ++i) mean += data.weight[i] * u.frames[i].turn;
     return mean;
-  }
-  // R_i^T A.
-  template <class T>
-  static Mat3<T> back(const Local<T, 0, N>& u, std::size_t i, const Mat3<T>& A) {
-    return A + u.frames[i].turn.transpose() * A;
   }
 };
 

@@ -23,6 +23,11 @@ struct Rayleigh {
   double beta = 0;   ///< s
 };
 
+/// Momentum of a motion in kg m/s, and angular momentum about the origin of space in kg m^2/s.
+struct Momentum {
+  Vec3<double> linear = Vec3<double>::Zero(), angular = Vec3<double>::Zero();
+};
+
 namespace detail {
 template <class Term>
 concept remembers = requires(Term& term, const State<typename Term::Scalar>& q,
@@ -196,6 +201,28 @@ class System {
     Vector<T> p = Vector<T>::Zero(v.size());
     mass.add_product(q, v, T(1), p);
     return dot(v, p) / 2;
+  }
+
+  /// Momentum of all points and frames: p = M(q) v; frames' parts of p about their axes, R p, count to the
+  /// angular one.
+  [[nodiscard]] Momentum momentum(const Motion<T>& motion) const {
+    Vector<T> p = Vector<T>::Zero(motion.v.size());
+    mass.add_product(motion.q, motion.v, T(1), p);
+    Momentum sum;
+    const auto add = [&](std::ptrdiff_t b) {
+      const Vec3<double> x = rest_[static_cast<std::size_t>(b)] +
+                             block(motion.q.displacement, b).template cast<double>(),
+                         part = block(p, b).template cast<double>();
+      sum.linear += part;
+      sum.angular += x.cross(part);
+    };
+    for (std::ptrdiff_t i = 0; i < motion.q.points(); ++i) add(i);
+    for (std::ptrdiff_t j = 0; j < motion.q.frames(); ++j) {
+      const std::ptrdiff_t b = motion.q.frame_block(j);
+      add(b);
+      sum.angular += (motion.q.rotation(j) * block(p, b + 1)).template cast<double>();
+    }
+    return sum;
   }
 
  private:
