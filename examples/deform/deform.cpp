@@ -4,9 +4,6 @@
 // The main job: a mesh file in, a ParaView series, a summary and a picture out. `deform --help` tells the
 // options.
 
-#include <spawn.h>
-#include <sys/wait.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -19,12 +16,11 @@
 #include <system_error>
 #include <vector>
 
+#include "../picture.hpp"
 #include "options.hpp"
 #include "results.hpp"
 #include "softsim/io/read_mesh.hpp"
 #include "softsim/softsim.hpp"
-
-extern char** environ;
 
 namespace deform {
 
@@ -85,30 +81,17 @@ void require_supports(const System& system, std::size_t fixed) {
 /// Draws DIR/deform.png by the script beside this program's source, with the first Python that has
 /// matplotlib.
 void draw_picture(const std::string& folder, bool statics) {
-  const auto run = [](std::vector<std::string> words) {
-    std::vector<char*> argv;
-    for (std::string& w : words) argv.push_back(w.data());
-    argv.push_back(nullptr);
-    posix_spawn_file_actions_t quiet;
-    posix_spawn_file_actions_init(&quiet);
-    if (words[1] == "-c") posix_spawn_file_actions_addopen(&quiet, 2, "/dev/null", 1, 0);
-    pid_t child = 0;
-    const int error = posix_spawnp(&child, argv[0], &quiet, nullptr, argv.data(), environ);
-    posix_spawn_file_actions_destroy(&quiet);
-    int status = 0;
-    return error == 0 && waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0;
-  };
-  for (const char* python : {"python3", "/usr/bin/python3"}) {
-    if (!run({python, "-c", "import matplotlib, numpy"})) continue;
-    std::vector<std::string> command{python, DEFORM_PLOT_SCRIPT, folder};
-    if (statics) command.push_back("--static");
-    if (run(command))
-      std::printf("picture: %s/deform.png\n", folder.c_str());
-    else
-      std::fprintf(stderr, "deform: the picture could not be drawn\n");
+  const std::string python = picture::drawing_python();
+  if (python.empty()) {
+    std::fprintf(stderr, "deform: no picture, no Python with numpy and matplotlib was found\n");
     return;
   }
-  std::fprintf(stderr, "deform: no picture, no Python with numpy and matplotlib was found\n");
+  std::vector<std::string> command{python, DEFORM_PLOT_SCRIPT, folder};
+  if (statics) command.push_back("--static");
+  if (picture::runs(command))
+    std::printf("picture: %s/deform.png\n", folder.c_str());
+  else
+    std::fprintf(stderr, "deform: the picture could not be drawn\n");
 }
 
 /// Makes the folder of the results, without those of an earlier run.

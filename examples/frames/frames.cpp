@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "../picture.hpp"
 #include "options.hpp"
-#include "picture.hpp"
 #include "results.hpp"
 #include "softsim/integrator/static_solver.hpp"
 #include "softsim/kinematics/mesh_shapes.hpp"
@@ -281,14 +281,14 @@ Summary line(const Options& o) {
 
 /// Draws DIR/EXAMPLE.png by the script beside this program's source.
 void draw_picture(const Options& o, const std::vector<Summary>& bodies) {
-  const std::string python = drawing_python();
+  const std::string python = picture::drawing_python();
   if (python.empty()) {
     std::fprintf(stderr, "frames: no picture, no Python with numpy and matplotlib was found\n");
     return;
   }
   std::vector<std::string> command{python, FRAMES_PLOT_SCRIPT, o.example, o.out};
   for (const Summary& s : bodies) command.push_back(s.body);
-  if (runs(command))
+  if (picture::runs(command))
     std::printf("picture: %s/%s.png\n", o.out.c_str(), o.example.c_str());
   else
     std::fprintf(stderr, "frames: the picture could not be drawn\n");

@@ -20,8 +20,9 @@ template <class T>
 struct FrameBlock {
   Mat3<T> tt, tr, rr;
 
-  /// The matrix times (x, y).
+  /// Its first three rows times (x, y).
   [[nodiscard]] Vec3<T> translational(const Vec3<T>& x, const Vec3<T>& y) const { return tt * x + tr * y; }
+  /// Its last three rows times (x, y).
   [[nodiscard]] Vec3<T> rotational(const Vec3<T>& x, const Vec3<T>& y) const {
     return tr.transpose() * x + rr * y;
   }

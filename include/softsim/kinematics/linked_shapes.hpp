@@ -28,14 +28,18 @@ namespace softsim {
 template <NodeShapes Shapes>
 class LinkedShapes {
  public:
+  /// @param shapes what gives the weights w_i
   explicit LinkedShapes(Shapes shapes) : shapes_(std::move(shapes)) {}
 
   /// What they are made of.
   [[nodiscard]] const Shapes& shapes() const { return shapes_; }
+  /// Rest positions of the nodes, m.
   [[nodiscard]] const std::vector<Vec3<double>>& nodes() const { return shapes_.nodes(); }
   /// That of the shapes without rotations.
   [[nodiscard]] int consistency() const { return shapes_.consistency(); }
+  /// Whether the weights have the Kronecker property.
   [[nodiscard]] bool interpolates() const { return shapes_.interpolates(); }
+  /// That of the weights, m.
   [[nodiscard]] double support() const { return shapes_.support(); }
 
   /// The shape functions at x (m), c_i in `slopes`.

@@ -62,6 +62,7 @@ class MaximumEntropy {
 
   /// Rest positions in m.
   [[nodiscard]] const std::vector<Vec3<double>>& nodes() const { return nodes_; }
+  /// Linear fields are reproduced.
   [[nodiscard]] int consistency() const { return 1; }
   /// True if every node is a corner of the convex hull of the nodes within its support.
   [[nodiscard]] bool interpolates() const { return interpolates_; }

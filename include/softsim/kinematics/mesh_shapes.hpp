@@ -58,12 +58,14 @@ class MeshShapes {
     }
   }
 
+  /// The mesh, a copy of the one given.
   [[nodiscard]] const Mesh& mesh() const { return mesh_; }
   /// Rest positions in m.
   [[nodiscard]] const std::vector<Vec3<double>>& nodes() const { return mesh_.points(); }
   /// 1; 2 for quadratic tetrahedra if all edges are straight with their nodes in the middle. One curved edge
   /// makes it 1: polynomials in xi are then not polynomials in x.
   [[nodiscard]] int consistency() const { return degree_; }
+  /// They have the Kronecker property.
   [[nodiscard]] bool interpolates() const { return true; }
   /// Infinite: it depends on the elements.
   [[nodiscard]] double support() const { return std::numeric_limits<double>::infinity(); }

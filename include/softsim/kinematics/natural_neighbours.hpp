@@ -53,7 +53,9 @@ class NaturalNeighbours {
 
   /// Rest positions in m.
   [[nodiscard]] const std::vector<Vec3<double>>& nodes() const { return nodes_; }
+  /// Linear fields are reproduced.
   [[nodiscard]] int consistency() const { return 1; }
+  /// They have the Kronecker property.
   [[nodiscard]] bool interpolates() const { return true; }
   /// Infinite: it depends on the other nodes.
   [[nodiscard]] double support() const { return std::numeric_limits<double>::infinity(); }

@@ -46,7 +46,9 @@ class Shepard {
   /// Rest positions in m.
   [[nodiscard]] const std::vector<Vec3<double>>& nodes() const { return neighbours_.nodes(); }
   /// Constants are reproduced.
+  /// Constants are reproduced.
   [[nodiscard]] int consistency() const { return 0; }
+  /// They have the Kronecker property.
   /// They have the Kronecker property.
   [[nodiscard]] bool interpolates() const { return true; }
   /// The radius in m.

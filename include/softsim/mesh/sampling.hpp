@@ -54,8 +54,9 @@ template <Domain D>
   return {std::move(positions), std::move(volumes)};
 }
 
+/// Options of `sample`.
 struct SamplingOptions {
-  VolumeShares shares = VolumeShares::voronoi;
+  VolumeShares shares = VolumeShares::voronoi;  ///< how the volume is divided
   /// Voxels per spacing that divide the volume into Voronoi shares.
   double voxels_per_spacing = 4;
   PoissonDiskOptions poisson_disk = {};

@@ -80,7 +80,7 @@ class FrameMass {
       return W;
     });
   }
-  /// y += scale times what the inertia of a motion without accelerations asks for, M a + this = force: J^T m
+  /// y += scale times the gyroscopic force in N and N m, M a + this = force: J^T m
   /// dJ/dt v, the centripetal accelerations R_j [omega_j]x^2 c_j.
   void add_gyroscopic(const State<T>& q, const Vector<T>& v, T scale, Vector<T>& y) const {
     apply(q, scale, y, [&](std::size_t j) {

@@ -10,7 +10,9 @@
 
 extern char** environ;
 
-namespace frames {
+// How the examples draw: by a Python script beside their source.
+
+namespace picture {
 
 /// Runs a program and says whether it ended well.
 inline bool runs(std::vector<std::string> words, bool quiet = false) {
@@ -34,4 +36,4 @@ inline std::string drawing_python() {
   return {};
 }
 
-}  // namespace frames
+}  // namespace picture
