@@ -107,6 +107,45 @@ TEST(SymmetricBlockMatrix, DoesNotMixNeighbouringBlocks) {
   EXPECT_EQ(y.segment(4, 4), Eigen::Vector4d(1, 1, 1, 0));
 }
 
+// Two rows of a frame are multiplied together: points, frames, a frame alone, and two points that look like
+// one, in all orders.
+template <class T>
+void expect_products_of_frames(double tolerance) {
+  constexpr T nan = std::numeric_limits<T>::quiet_NaN();
+  const Pattern groups{{0, 0}, {1, 2}, {3, 4}, {5, 5}, {6, 7}, {8, 9}, {10, 10}, {11, 12}};
+  const Pattern couplings{{0, 1}, {0, 3}, {1, 2}, {1, 3}, {1, 4}, {2, 4}, {2, 5}, {3, 4}, {4, 6}, {6, 7}};
+  Pattern blocks;
+  const auto couple = [&](std::size_t g, std::size_t h) {
+    for (std::int32_t i = groups[g].first; i <= groups[g].second; ++i)
+      for (std::int32_t j = groups[h].first; j <= groups[h].second; ++j) blocks.emplace_back(i, j);
+  };
+  for (std::size_t g = 0; g < groups.size(); ++g) couple(g, g);
+  for (const auto& [g, h] : couplings) couple(static_cast<std::size_t>(g), static_cast<std::size_t>(h));
+  SymmetricBlockMatrix<T> A(13, blocks);
+  bodies::Random random(1);
+  for (std::size_t k = 0; k < 9 * A.blocks(); ++k) A.values()[k] = static_cast<T>(random.number());
+  for (std::int32_t i = 0; i < 13; ++i) {
+    auto D = A.block(A.place(i, i) / 2);
+    D = softsim::symmetric_part<T>(D);
+  }
+  Vector<T> x = bodies::random_vector<T>(13, 1, 2), y = Vector<T>::Constant(52, 99);
+  for (std::ptrdiff_t i = 0; i < 13; ++i) x[4 * i + 3] = nan;
+  A.apply(x, y);
+  EXPECT_LT(bodies::relative_error(softsim::pack(y), Vector<T>(A.to_eigen() * softsim::pack(x))), tolerance);
+  for (std::size_t i = 0; i < 13; ++i) {
+    T row[4];
+    A.row_product(i, x, row);
+    const auto at = 4 * static_cast<std::ptrdiff_t>(i);
+    for (int a = 0; a < 3; ++a) EXPECT_NEAR(y[at + a], row[a], 10 * tolerance) << "row " << i;
+    EXPECT_EQ(y[at + 3], 0) << "row " << i;
+  }
+}
+
+TEST(SymmetricBlockMatrix, MultipliesTheTwoRowsOfAFrameTogether) {
+  expect_products_of_frames<double>(1e-15);
+  expect_products_of_frames<float>(5e-7);
+}
+
 TEST(Packing, DropsTheFourthScalarAndPutsItBack) {
   const Vector<double> v = bodies::random_vector(7, 1, 3);
   const Vector<double> packed = softsim::pack(v);

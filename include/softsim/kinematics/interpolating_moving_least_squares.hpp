@@ -121,7 +121,7 @@ class InterpolatingMovingLeastSquares {
       const Neighbour& n = others[static_cast<std::size_t>(i)];
       v[i] = std::sqrt(weight_.ratio(n.distance, second));
       g.row(i) = weight_.log_gradient(n);
-      A.row(i) = v[i] * basis(m.offset - n.offset);
+      if (terms > 0) A.row(i) = v[i] * basis(m.offset - n.offset);  // a row of no columns is a null pointer's
     }
     const detail::WeightedFit fit(A);
     if (!fit.determined()) {

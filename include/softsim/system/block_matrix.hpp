@@ -53,6 +53,9 @@ class SymmetricBlockMatrix {
                                                                                  i};
     // The product reads four scalars where a column of a block has three: one more at the very end.
     values_.assign(9 * column_.size() + 1, T(0));
+    twin_.assign(rows, false);
+    for (std::size_t i = 0; i + 1 < rows; ++i)
+      if (are_twins(i)) twin_[i++] = true;
   }
 
   /// Number of block rows.
@@ -123,8 +126,13 @@ class SymmetricBlockMatrix {
 #ifdef _OPENMP
 #pragma omp parallel for schedule(static) if (count > 1000)
 #endif
-    for (std::ptrdiff_t i = 0; i < count; ++i)
-      row_product(static_cast<std::size_t>(i), x, y.data() + block_stride * i);
+    for (std::ptrdiff_t i = 0; i < count; ++i) {
+      const auto row = static_cast<std::size_t>(i);
+      if (twin_[row] != 0)
+        twin_product(row, x, y.data() + block_stride * i);
+      else if (i == 0 || twin_[row - 1] == 0)
+        row_product(row, x, y.data() + block_stride * i);
+    }
   }
 
   /// Calls f(j, k, transposed) for every block (i, j) of row i: it is stored block k or the transpose of
@@ -164,9 +172,63 @@ class SymmetricBlockMatrix {
   struct Transposed {
     std::int32_t block, column;
   };
+
+  // Whether rows i and i + 1 have each other and the same other blocks: the two of a frame, as a rule.
+  [[nodiscard]] bool are_twins(std::size_t i) const {
+    const auto upper = [&](std::size_t row) { return column_.begin() + row_start_[row]; };
+    const auto lower = [&](std::size_t row) { return lower_.begin() + lower_start_[row]; };
+    const auto same = [](const Transposed& a, const Transposed& b) { return a.column == b.column; };
+    return upper(i + 1) - upper(i) >= 2 && upper(i + 2) > upper(i + 1) &&
+           std::equal(upper(i) + 1, upper(i + 1), upper(i + 1), upper(i + 2)) &&
+           static_cast<std::size_t>(*upper(i)) == i && static_cast<std::size_t>(*upper(i + 1)) == i + 1 &&
+           std::equal(lower(i), lower(i + 1), lower(i + 1), lower(i + 2) - 1, same);
+  }
+
+  // Rows i and i + 1 of A x, twins, into the eight scalars at y: they share what is read of x, and the order.
+  void twin_product(std::size_t i, const Vector<T>& x, T* y) const {
+    using Four = Batch<T, 4>;
+    const auto at = [&](std::int32_t j) { return x.data() + block_stride * static_cast<std::ptrdiff_t>(j); };
+    const auto column = [](const T* block, int a) { return Four::load(block + 3 * a); };
+    const T *first = values_.data() + 9 * static_cast<std::ptrdiff_t>(row_start_[i]),
+            *second = values_.data() + 9 * static_cast<std::ptrdiff_t>(row_start_[i + 1]);
+    const T* xi = at(static_cast<std::int32_t>(i));
+    const Four whole = Four::load(xi);
+    Four sum[6], dot[6];  // by rows of blocks, and by columns of the transposed ones
+    for (int a = 0; a < 3; ++a) {
+      sum[a] = column(first, a) * Four(xi[a]) + column(first + 9, a) * Four(xi[block_stride + a]);
+      sum[3 + a] = column(second, a) * Four(xi[block_stride + a]);
+      dot[a] = Four(0);
+      dot[3 + a] = column(first + 9, a) * whole;
+    }
+    first += 18;
+    second += 9;
+    for (std::int32_t k = row_start_[i] + 2; k < row_start_[i + 1]; ++k, first += 9, second += 9) {
+      const T* xj = at(column_[static_cast<std::size_t>(k)]);
+      for (int a = 0; a < 3; ++a) {
+        sum[a] += column(first, a) * Four(xj[a]);
+        sum[3 + a] += column(second, a) * Four(xj[a]);
+      }
+    }
+    for (std::int32_t k = lower_start_[i]; k < lower_start_[i + 1]; ++k) {
+      const Transposed& t = lower_[static_cast<std::size_t>(k)];
+      const Four xj = Four::load(at(t.column));
+      const T* blocks = values_.data() + 9 * static_cast<std::ptrdiff_t>(t.block);  // in columns i and i + 1
+      for (int a = 0; a < 6; ++a) dot[a] += column(blocks, a) * xj;
+    }
+    for (int half = 0; half < 2; ++half) {
+      const Four* s = sum + 3 * half;
+      const Four* d = dot + 3 * half;
+      const Four all = s[0] + s[1] + s[2];
+      for (int a = 0; a < 3; ++a)
+        y[block_stride * half + a] = lane(all, a) + (lane(d[a], 0) + lane(d[a], 1) + lane(d[a], 2));
+      y[block_stride * half + 3] = T(0);
+    }
+  }
+
   std::vector<std::int32_t> row_start_, column_, lower_start_;
   std::vector<Transposed> lower_;
   std::vector<T> values_;
+  std::vector<std::uint8_t> twin_;  // 1 for the first of two
   std::uint64_t pattern_ = 0;
 };
 
