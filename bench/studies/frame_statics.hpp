@@ -53,8 +53,9 @@ class Frames {
   softsim::FrameNodes nodes;
   Body body;
 
-  Frames(const Mesh& mesh, Arms arms_, Sampling sampling)
-      : shapes(mesh), arms(arms_), nodes(mesh.points()), body(make_body(mesh, sampling)) {}
+  Frames(const Mesh& mesh, Arms arms_, Sampling sampling) : Frames(mesh, arms_, sampled(mesh, sampling)) {}
+  Frames(const Mesh& mesh, Arms arms_, const softsim::Samples& samples)
+      : shapes(mesh), arms(arms_), nodes(mesh.points()), body(make_body(samples)) {}
 
   [[nodiscard]] std::size_t unknowns() const { return 6 * nodes.frames().size(); }
   /// Displacement at X.
@@ -71,8 +72,7 @@ class Frames {
   }
 
  private:
-  [[nodiscard]] Body make_body(const Mesh& mesh, Sampling sampling) const {
-    const softsim::Samples samples = sampled(mesh, sampling);
+  [[nodiscard]] Body make_body(const softsim::Samples& samples) const {
     if (arms == Arms::whole) return {nodes, shapes, samples.positions, samples.volumes};
     return {nodes, softsim::LinkedShapes(shapes), samples.positions, samples.volumes};
   }
@@ -129,8 +129,9 @@ struct Answer {
   std::size_t unknowns;
 };
 
-template <class Mesh>
-Answer with_frames(const Beam& beam, const Mesh& mesh, Arms arms, Sampling sampling, int steps = 1) {
+/// @param sampling a `Sampling` or `Samples`
+template <class Mesh, class S>
+Answer with_frames(const Beam& beam, const Mesh& mesh, Arms arms, const S& sampling, int steps = 1) {
   const Frames<Mesh> frames(mesh, arms, sampling);
   auto system = system_of(frames, beam.young, beam.poisson, beam.density(), down);
   system.prescribed.fix_frames(softsim::nodes_near(mesh, softsim::Side::xmin, 0));

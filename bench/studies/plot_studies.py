@@ -179,6 +179,24 @@ def frame_statics(rows):
 
 
 @study
+def frame_sampling(rows):
+    """Error of the samples alone against how many there are, frames on the nodes of one mesh."""
+    figure, panels = plt.subplots(1, 2, figsize=(9.5, 4.2), sharey=True)
+    methods = [("gauss", "Gauss points", BLUE, "o-"), ("equal", "equal shares, lattice in each element", GREEN, "s-"),
+               ("scattered_voronoi", "scattered, Voronoi shares", ORANGE, "^--"),
+               ("scattered_equal", "scattered, equal shares", RED, "v--")]
+    for axes, mesh in zip(panels, ("hexahedra", "tetrahedra")):
+        for method, label, colour, style in methods:
+            of = pick(rows, mesh=mesh, method=method)
+            axes.loglog(column(of, "samples_per_element"), [max(r["error"], 1e-8) for r in of], style, color=colour,
+                        lw=1.2, ms=5, mfc="none", label=label)
+        axes.set(title=f"Soft beam, frames on {mesh}", xlabel="samples per element")
+    panels[0].set(ylabel="error of the deflection (below 1e-8: drawn there)")
+    panels[0].legend(loc="lower right")
+    return figure
+
+
+@study
 def frame_rods(rows):
     """Distance of the tip from its reference over the length, against the number of frames."""
     problems = {"elastica_tip_4": "Elastica, tip load α = 4", "elastica_uniform_10": "Elastica, uniform load β = 10",

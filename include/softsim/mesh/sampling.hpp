@@ -18,7 +18,8 @@
 
 namespace softsim {
 
-/// How the volume of a domain is divided among samples.
+/// How the volume of a domain is divided among samples. Where elements are at hand their Gauss points
+/// (`gauss_samples`) beat both by far: bench/studies/frame_sampling.cpp.
 enum class VolumeShares {
   equal,    ///< the same for each (Bosman 2015, Sec. 4.1)
   voronoi,  ///< the part of the domain that is nearer to it than to any other

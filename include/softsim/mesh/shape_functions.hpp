@@ -79,8 +79,10 @@ struct BilinearQuadrilateral {
   }
   [[nodiscard]] static Eigen::Matrix<double, 4, 2> gradients(const std::array<double, 2>& xi) {
     Eigen::Matrix<double, 4, 2> dN;
-    for (int i = 0; i < 4; ++i)
-      dN.row(i) << sign(i, 0) * (1 + sign(i, 1) * xi[1]) / 4, sign(i, 1) * (1 + sign(i, 0) * xi[0]) / 4;
+    for (int i = 0; i < 4; ++i) {
+      dN(i, 0) = sign(i, 0) * (1 + sign(i, 1) * xi[1]) / 4;
+      dN(i, 1) = sign(i, 1) * (1 + sign(i, 0) * xi[0]) / 4;
+    }
     return dN;
   }
 
@@ -221,14 +223,14 @@ struct QuadraticTetrahedronShape {
   }
   [[nodiscard]] static Eigen::Matrix<double, 10, 3> gradients(const std::array<double, 3>& xi) {
     const std::array<double, 4> L{1 - xi[0] - xi[1] - xi[2], xi[0], xi[1], xi[2]};
-    Eigen::Matrix<double, 4, 3> dL;
-    dL << -1, -1, -1, 1, 0, 0, 0, 1, 0, 0, 0, 1;
+    constexpr double dL[4][3] = {{-1, -1, -1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     Eigen::Matrix<double, 10, 3> dN;
-    for (int i = 0; i < 4; ++i) dN.row(i) = (4 * L[static_cast<std::size_t>(i)] - 1) * dL.row(i);
-    for (std::size_t k = 0; k < 6; ++k) {
-      const auto [a, b] = edges[k];
-      dN.row(static_cast<int>(4 + k)) =
-          4 * (L[a] * dL.row(static_cast<int>(b)) + L[b] * dL.row(static_cast<int>(a)));
+    for (int c = 0; c < 3; ++c) {
+      for (std::size_t i = 0; i < 4; ++i) dN(static_cast<int>(i), c) = (4 * L[i] - 1) * dL[i][c];
+      for (std::size_t k = 0; k < 6; ++k) {
+        const auto [a, b] = edges[k];
+        dN(static_cast<int>(4 + k), c) = 4 * (L[a] * dL[b][c] + L[b] * dL[a][c]);
+      }
     }
     return dN;
   }

@@ -201,18 +201,21 @@ class FrameMass {
     return mass;
   }
 
-  static void require_inertia(std::size_t j, const Eigen::Matrix4d& moments) {
-    const double m = moments(0, 0), size = moments.diagonal().tail<3>().sum();
+  // A template like all of this, so that only who has frames waits for its compilation.
+  template <class Real>
+  static void require_inertia(std::size_t j, const Eigen::Matrix<Real, 4, 4>& moments) {
+    const Mat3<Real> about_frame = moments.template block<3, 3>(1, 1);
+    const Real m = moments(0, 0), size = trace(about_frame);
     const auto refuse = [&](const std::string& what) {
       invalid(std::string("mass of frame ") + std::to_string(j) + ": " + what);
     };
     if (!(m > 0)) refuse(to_text(m) + " kg is not positive");
     // About the centre of its samples; the least of three is zero for samples on a line.
-    const Vec3<double> centre = moments.block<3, 1>(1, 0) / m;
-    const Mat3<double> second = moments.block<3, 3>(1, 1) - m * centre * centre.transpose();
-    const Mat3<double> inertia = second.trace() * Mat3<double>::Identity() - second;
-    Mat3<double> inverse;
-    if (!(size > 0) || !invert(Mat3<double>(inertia - 1e-12 * size * Mat3<double>::Identity()), inverse))
+    const Vec3<Real> centre = moments.template block<3, 1>(1, 0) / m;
+    const Mat3<Real> second = about_frame - m * centre * centre.transpose();
+    const Mat3<Real> inertia = trace(second) * Mat3<Real>::Identity() - second;
+    Mat3<Real> inverse;
+    if (!(size > 0) || !invert(Mat3<Real>(inertia - 1e-12 * size * Mat3<Real>::Identity()), inverse))
       refuse("its samples have no inertia about some axis: spread them over a cross-section");
   }
 
