@@ -292,9 +292,8 @@ def draw_line(bodies):
     ax = figure.add_axes([0.52, 0.08, 0.34, 0.27])
     limit = np.cos(np.radians(largest / 2)) ** 2
     t = np.linspace(0, 1, 41)
-    blend = (1 - t) ** 2 / (t**2 + (1 - t) ** 2)  # Shepard's function of the left frame, on the axis
     for left, right, theta in zip(x[:-1], x[1:], np.radians(np.diff(turned))):
-        ax.plot(left + t * (right - left), 1 - 4 * blend * (1 - blend) * np.sin(theta / 2) ** 2, color="0.6",
+        ax.plot(left + t * (right - left), 1 - 4 * t * (1 - t) * np.sin(theta / 2) ** 2, color="0.6",
                 lw=1, zorder=1, label="blend of two frames on the axis" if left == x[0] else None)
     ax.axhline(limit, color="black", ls="--", lw=1, label=f"cos\u00b2({largest:.4g}\u00b0/2) = {limit:.5f}")
     ax.scatter(body.rest[:, 0], body.J, s=16, c=body.J, norm=norm, cmap=colours, zorder=3, label="samples")

@@ -122,6 +122,25 @@ TEST(State, DexpIsTheDerivativeOfTheIncrement) {
   }
 }
 
+// A torque does work over an increment: over the same turn, seen from space, the same.
+TEST(State, GivesTorquesInTheAxesOfSpace) {
+  Random random;
+  const State<double> q = anywhere(random);
+  const Vec torque = increment(random, 1, 1);
+  for (std::ptrdiff_t j = 0; j < 3; ++j) {
+    const double h = 1e-6;
+    Vec d = Vec::Zero(q.size());
+    const V turn = random.vector(h);
+    block(d, q.frame_block(j) + 1) = turn;
+    State<double> p = q;
+    retract(p, d);
+    const Mat3<double> change = p.rotation(j) * q.rotation(j).transpose();
+    const V seen(change(2, 1), change(0, 2), change(1, 0));  // to first order
+    EXPECT_NEAR(q.in_space(torque, j).dot(seen), block(torque, q.frame_block(j) + 1).dot(turn), 3 * h * h);
+    EXPECT_GT((q.in_space(torque, j) - block(torque, q.frame_block(j) + 1)).norm(), 0.1);
+  }
+}
+
 TEST(State, SinglePrecisionToo) {
   State<float> q(1, 1);
   Vector<float> d = Vector<float>::Zero(q.size()), back;

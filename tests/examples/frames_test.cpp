@@ -179,6 +179,22 @@ TEST(FramesExample, TorsionSpreadsEvenlyAlongTheLine) {
   }
 }
 
+// The torque comes to that of a rod with the square of the twist from frame to frame.
+TEST(FramesExample, TheTorqueOfManyFramesIsThatOfARod) {
+  std::vector<double> excess;
+  for (const int n : {10, 19, 37}) {  // 20, 10 and 5 degrees
+    Frames frames;
+    frames.good("line --frames " + std::to_string(n));
+    const auto s = frames.summary("line");
+    EXPECT_NEAR(number(s, "torque_of_rod"),
+                1e4 / 2 * std::numbers::pi * 0.0016 / 2 * std::numbers::pi / (n - 1), 1e-12);
+    excess.push_back(number(s, "torque") / number(s, "torque_of_rod") - 1);
+  }
+  EXPECT_NEAR(excess[0] / excess[1], 4, 0.2);
+  EXPECT_NEAR(excess[1] / excess[2], 4, 0.1);
+  EXPECT_LT(excess[2], 0.02);
+}
+
 // Half a turn in one gap: the section in its middle is a point.
 TEST(FramesExample, OneGapIsTwistedShut) {
   Frames frames;

@@ -115,6 +115,11 @@ struct State {
     R.diagonal().array() += T(1);
     return R;
   }
+  /// The rotational block of frame j of the flat vector v, a torque or an angular velocity, in the axes of
+  /// space: what to report.
+  [[nodiscard]] Vec3<T> in_space(const Vector<T>& v, std::ptrdiff_t j) const {
+    return rotation(j) * block(v, frame_block(j) + 1);
+  }
 
  private:
   std::ptrdiff_t frames_ = 0;

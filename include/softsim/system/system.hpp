@@ -218,9 +218,8 @@ class System {
     };
     for (std::ptrdiff_t i = 0; i < motion.q.points(); ++i) add(i);
     for (std::ptrdiff_t j = 0; j < motion.q.frames(); ++j) {
-      const std::ptrdiff_t b = motion.q.frame_block(j);
-      add(b);
-      sum.angular += (motion.q.rotation(j) * block(p, b + 1)).template cast<double>();
+      add(motion.q.frame_block(j));
+      sum.angular += motion.q.in_space(p, j).template cast<double>();
     }
     return sum;
   }
