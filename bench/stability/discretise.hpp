@@ -7,7 +7,7 @@
 #include <string_view>
 #include <variant>
 
-#include "any_term.hpp"
+#include "any_system.hpp"
 #include "scene.hpp"
 #include "softsim/material/lame.hpp"
 #include "softsim/material/stable_neo_hookean.hpp"

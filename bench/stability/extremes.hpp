@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "any_term.hpp"
+#include "any_system.hpp"
 #include "recovery.hpp"
 #include "scene.hpp"
 #include "softsim/mesh/selection.hpp"

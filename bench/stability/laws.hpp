@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include "any_term.hpp"
+#include "any_system.hpp"
 #include "discretise.hpp"
 #include "scene.hpp"
 #include "softsim/material/continued.hpp"

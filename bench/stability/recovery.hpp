@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "any_term.hpp"
+#include "any_system.hpp"
 #include "scene.hpp"
 #include "softsim/integrator/static_solver.hpp"
 

@@ -15,7 +15,7 @@
 #include <variant>
 #include <vector>
 
-#include "any_term.hpp"
+#include "any_system.hpp"
 #include "softsim/mesh/generators.hpp"
 #include "softsim/mesh/hexahedral_mesh.hpp"
 #include "softsim/mesh/quadratic_tetrahedral_mesh.hpp"

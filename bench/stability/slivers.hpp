@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "any_term.hpp"
+#include "any_system.hpp"
 #include "recovery.hpp"
 #include "scene.hpp"
 #include "softsim/mesh/selection.hpp"

@@ -1,0 +1,233 @@
+// SPDX-FileCopyrightText: 2026 The softsim authors
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "../../examples/picture.hpp"
+#include "command_line.hpp"
+#include "measure.hpp"
+
+// chart SCENE: all methods on one scene, error against time. `chart --help` tells the rest.
+
+namespace {
+
+using namespace chart;
+namespace fs = std::filesystem;
+
+constexpr const char* help =
+    "usage: chart --list\n"
+    "       chart SCENE|all [--budget SECONDS] [--resolutions N] [--out DIR] [--no-picture]\n"
+    "       chart --reference SCENE|all\n"
+    "Runs every method that fits on a scene, coarse to fine, within a budget of CPU time (default 60 s a "
+    "scene), and\n"
+    "writes DIR/SCENE.csv and DIR/SCENE.png (default out/chart): error against time to solution. "
+    "--resolutions takes\n"
+    "the N coarsest only. --reference works the answer of a scene out again, on ten-node tetrahedra, and "
+    "writes it\n"
+    "where charts look for it.\n";
+
+struct Options {
+  std::vector<std::string> scenes;
+  double budget = 60;
+  int resolutions = 1000;
+  fs::path out = fs::path("out") / "chart";
+  bool list = false, reference = false, picture = true, show_help = false;
+};
+
+Options parse(int argc, char** argv) {
+  Options o;
+  std::string word;
+  for (Words words(argc, argv); words.next(word);) {
+    if (word == "--help")
+      o.show_help = true;
+    else if (word == "--list")
+      o.list = true;
+    else if (word == "--reference")
+      o.reference = true;
+    else if (word == "--no-picture")
+      o.picture = false;
+    else if (word == "--budget")
+      o.budget = words.positive(word);
+    else if (word == "--resolutions")
+      o.resolutions = static_cast<int>(words.positive(word));
+    else if (word == "--out")
+      o.out = words.value_of(word);
+    else if (word.empty() || word[0] == '-')
+      throw BadArguments("unknown option '" + word + "'");
+    else
+      o.scenes.push_back(word);
+  }
+  if (o.scenes.empty() && !o.list && !o.show_help) throw BadArguments("no scene; chart --list names them");
+  return o;
+}
+
+void list(const std::vector<Model>& all_models, const std::vector<Solver>& all_solvers) {
+  std::printf("scenes\n");
+  for (const Scene& s : scenes()) std::printf("  %-20s %s\n", s.name.c_str(), s.title.c_str());
+  std::printf("models\n");
+  for (const Model& m : all_models) std::printf("  %-20s %s\n", m.name.c_str(), m.family.c_str());
+  std::printf("solvers\n");
+  for (const Solver& s : all_solvers) std::printf("  %-20s %s\n", s.name.c_str(), s.preconditioner.c_str());
+  std::printf("scalars\n  double, float\n");
+}
+
+// All methods, coarse to fine; a method whose next resolution would take more than its share of what is left
+// of the budget ends there.
+std::vector<Point> sweep(const Scene& scene, const Options& o, const std::vector<Model>& all_models,
+                         const std::vector<Solver>& all_solvers) {
+  const Reference reference = reference_of(scene, SOFTSIM_CHART_DATA);
+  struct Candidate {
+    Method method;
+    double last = 0;  // s that the last resolution took in all
+    bool out = false;
+  };
+  std::vector<Candidate> candidates;
+  for (const Model& m : all_models)
+    for (const Solver& s : all_solvers)
+      for (const bool single : {false, true}) candidates.push_back({{&m, &s, single}});
+  std::vector<Point> points;
+  std::map<std::string, std::string> reasons;
+  const double start = cpu_seconds();
+  const auto left = [&] { return o.budget - (cpu_seconds() - start); };
+  int previous = 0, skipped = 0;
+  for (std::size_t k = 0; k < scene.resolutions.size() && static_cast<int>(k) < o.resolutions; ++k) {
+    const int resolution = scene.resolutions[k];
+    const double growth = previous == 0 ? 1 : std::pow(static_cast<double>(resolution) / previous, 4);
+    std::size_t remaining = 0;
+    for (const Candidate& c : candidates) remaining += c.out ? 0 : 1;
+    for (Candidate& c : candidates) {
+      if (c.out) continue;
+      const double share = 3 * left() / static_cast<double>(std::max<std::size_t>(remaining, 1));
+      --remaining;
+      if (left() <= 0 || c.last * growth > std::max(share, 0.02)) {
+        c.out = true;
+        ++skipped;
+        continue;
+      }
+      const double before = cpu_seconds();
+      try {
+        points.push_back(measure(scene, reference, c.method, resolution, share / 3));
+        c.last = points.back().seconds + points.back().setup_seconds;
+      } catch (const NotApplicable& why) {
+        reasons[c.method.model->name] = why.what();
+        c.out = true;
+      } catch (const std::invalid_argument& why) {
+        reasons[c.method.model->name] = why.what();
+        c.out = true;
+      }
+      if (cpu_seconds() - before > o.budget / 3) c.out = true;
+    }
+    previous = resolution;
+  }
+  for (const auto& [model, why] : reasons)
+    std::printf("%s: no %s: %s\n", scene.name.c_str(), model.c_str(), why.c_str());
+  if (skipped > 0)
+    std::printf("%s: %d methods ended before the finest resolution, for want of time\n", scene.name.c_str(),
+                skipped);
+  return points;
+}
+
+void print_front(const Scene& scene, std::vector<Point> points, double reference_error) {
+  std::erase_if(points, [](const Point& p) { return !std::isfinite(p.error); });
+  std::sort(points.begin(), points.end(),
+            [](const Point& a, const Point& b) { return a.seconds < b.seconds; });
+  std::printf("%s: the front (own error of the reference %.2g)\n", scene.name.c_str(), reference_error);
+  double best = 1e300;
+  for (const Point& p : points) {
+    if (p.error >= best) continue;
+    best = p.error;
+    std::printf("  %10.3g s  error %9.3g  %-20s %-15s %-20s resolution %2d %s\n", p.seconds, p.error,
+                p.model.c_str(), p.solver.c_str(), p.preconditioner.c_str(), p.resolution, p.scalar.c_str());
+  }
+}
+
+// Ten-node tetrahedra on two meshes; the difference is taken for the error of the finer one.
+void make_reference(const Scene& scene, const std::vector<Model>& all_models,
+                    const std::vector<Solver>& all_solvers) {
+  if (scene.closed_form) {
+    std::printf("%s: has a closed form\n", scene.name.c_str());
+    return;
+  }
+  const auto of = [&](int resolution) {
+    Reference r;
+    for (const Model& m : all_models)
+      if (m.name == "tet10") {
+        Bench<double> bench(scene, {&m, &all_solvers.front()}, resolution);
+        if (bench.solve().status != softsim::Status::converged)
+          throw std::runtime_error("the reference of " + scene.name + " did not converge");
+        r.u = bench.answer();
+      }
+    return r;
+  };
+  const std::size_t n = scene.resolutions.size();
+  const int fine = scene.resolutions[n - 3], coarse = fine / 2;
+  Reference r = of(fine);
+  r.error = relative_distance(of(coarse).u, r.u) / 3;
+  r.recipe = "ten-node tetrahedra at resolution " + std::to_string(fine) +
+             "; error: a third of the distance from " + std::to_string(coarse) + " (chart --reference " +
+             scene.name + ")";
+  write_reference(scene, r, SOFTSIM_CHART_DATA);
+  std::printf("%s: %s; error %.3g\n", scene.name.c_str(), r.recipe.c_str(), r.error);
+  std::fflush(stdout);
+}
+
+int run(const Options& o) {
+  const std::vector<Model> all_models = models();
+  const std::vector<Solver> all_solvers = solvers();
+  if (o.show_help) {
+    std::fputs(help, stdout);
+    return 0;
+  }
+  if (o.list) {
+    list(all_models, all_solvers);
+    return 0;
+  }
+  const std::vector<Scene> wanted = scenes_named(o.scenes);
+  if (o.reference) {
+    for (const Scene& scene : wanted) make_reference(scene, all_models, all_solvers);
+    return 0;
+  }
+  std::error_code error;
+  fs::create_directories(o.out, error);
+  for (const Scene& scene : wanted) {
+    const fs::path path = o.out / (scene.name + ".csv");
+    std::ofstream csv(path);
+    csv.precision(6);
+    csv << Point::header << '\n';
+    if (!csv.flush()) throw std::runtime_error("cannot write '" + path.string() + "'");
+    const std::vector<Point> points = sweep(scene, o, all_models, all_solvers);
+    for (const Point& p : points) csv << p << '\n';
+    if (!csv.flush()) throw std::runtime_error("cannot write '" + path.string() + "'");
+    print_front(scene, points, reference_of(scene, SOFTSIM_CHART_DATA).error);
+    std::printf("%s: %zu points in %s\n", scene.name.c_str(), points.size(), path.string().c_str());
+  }
+  if (!o.picture) return 0;
+  const std::string python = picture::drawing_python();
+  std::vector<std::string> command{python, SOFTSIM_CHART_PLOT, o.out.string()};
+  for (const Scene& scene : wanted) command.push_back(scene.name + "=" + scene.title);
+  if (python.empty() || !picture::runs(command))
+    std::fprintf(stderr, "chart: no picture: %s\n",
+                 python.empty() ? "no Python with matplotlib" : "it failed");
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(parse(argc, argv));
+  } catch (const BadArguments& error) {
+    std::fprintf(stderr, "chart: %s\n", error.what());
+    return 2;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "chart: %s\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,133 @@
+// SPDX-FileCopyrightText: 2026 The softsim authors
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "command_line.hpp"
+#include "explore.hpp"
+
+// choose SCENE: the cheapest method that is accurate and fast enough. `choose --help` tells the rest.
+
+namespace {
+
+using namespace chart;
+
+constexpr const char* help =
+    "usage: choose SCENE --tolerance E --rate HZ [--budget SECONDS]\n"
+    "Prints the method that solves a scene in the shortest time with a relative error of at most E, at least "
+    "HZ times\n"
+    "a second, the runners-up of other models, and what more accuracy costs. Explores for at most the budget "
+    "(100 s).\n"
+    "Exit status: 0, 1 if no method is both accurate and fast enough, 2 for a wrong question.\n";
+
+std::string described(const Point& p) {
+  const std::string preconditioner = p.preconditioner == "-" ? "" : " with " + p.preconditioner;
+  return p.model + ", " + p.solver + preconditioner + ", " + p.scalar + ", resolution " +
+         std::to_string(p.resolution);
+}
+void print(const Point& p) {
+  std::printf("  %9.3g s   error %8.3g   set-up %8.3g s   %8.3g MB   %s\n", p.seconds, p.error,
+              p.setup_seconds, static_cast<double>(p.memory) / 1e6, described(p).c_str());
+}
+
+int answer(const Scene& scene, const Wish& wish, double budget) {
+  const Reference reference = reference_of(scene, SOFTSIM_CHART_DATA);
+  if (wish.tolerance < reference.error) {
+    std::fprintf(
+        stderr,
+        "choose: %s: a tolerance of %g is tighter than the reference's own error; the nearest that can be "
+        "told is %.2g\n",
+        scene.name.c_str(), wish.tolerance, reference.error);
+    return 2;
+  }
+  const std::vector<Model> all_models = models();
+  const std::vector<Solver> all_solvers = solvers();
+  Exploration exploration(scene, reference, wish, budget);
+  exploration.run(all_models, all_solvers);
+  std::vector<Point> points = exploration.points();
+  std::erase_if(points, [](const Point& p) { return !std::isfinite(p.error); });
+  std::sort(points.begin(), points.end(),
+            [](const Point& a, const Point& b) { return a.seconds < b.seconds; });
+  const auto best =
+      std::find_if(points.begin(), points.end(), [&](const Point& p) { return wish.met_by(p); });
+  std::printf("%s: %zu measurements%s\n", scene.name.c_str(), exploration.points().size(),
+              exploration.out_of_time() ? ", ended by the budget" : "");
+  if (best == points.end()) {
+    const auto accurate =
+        std::find_if(points.begin(), points.end(), [&](const Point& p) { return p.error <= wish.tolerance; });
+    const Point* closest = nullptr;
+    for (const Point& p : points)
+      if (p.seconds * wish.rate <= 1 && (closest == nullptr || p.error < closest->error)) closest = &p;
+    std::fflush(stdout);
+    std::fprintf(stderr, "choose: %s: no method reaches an error of %g at %g Hz", scene.name.c_str(),
+                 wish.tolerance, wish.rate);
+    if (accurate != points.end())
+      std::fprintf(stderr, "; accurate enough is %s at %.3g Hz", described(*accurate).c_str(),
+                   1 / accurate->seconds);
+    if (closest != nullptr)
+      std::fprintf(stderr, "; fast enough is %s with an error of %.2g", described(*closest).c_str(),
+                   closest->error);
+    std::fprintf(stderr, "\n");
+    return 1;
+  }
+  std::printf("cheapest with an error of at most %g, at %g Hz:\n", wish.tolerance, wish.rate);
+  print(*best);
+  std::printf("runners-up of other models:\n");
+  std::set<std::string> shown{best->model};
+  for (const Point& p : points)
+    if (p.error <= wish.tolerance && shown.insert(p.model).second && shown.size() <= 5) print(p);
+  std::printf("less error costs:\n");
+  double error = best->error;
+  for (const Point& p : points)
+    if (p.seconds >= best->seconds && p.error < error / 1.5) {
+      error = p.error;
+      print(p);
+    }
+  return 0;
+}
+
+int run(int argc, char** argv) {
+  std::vector<std::string> names;
+  double budget = 100, tolerance = 0, rate = 0;
+  std::string word;
+  for (Words words(argc, argv); words.next(word);) {
+    if (word == "--help") {
+      std::fputs(help, stdout);
+      return 0;
+    }
+    if (word == "--tolerance")
+      tolerance = words.positive(word);
+    else if (word == "--rate")
+      rate = words.positive(word);
+    else if (word == "--budget")
+      budget = words.positive(word);
+    else if (word.empty() || word[0] == '-')
+      throw BadArguments("unknown option '" + word + "'");
+    else
+      names.push_back(word);
+  }
+  if (names.size() != 1) throw BadArguments("name one scene; chart --list names them");
+  if (tolerance == 0 || rate == 0) throw BadArguments("--tolerance and --rate are needed");
+  const std::vector<Scene> wanted = scenes_named(names);
+  if (wanted.size() != 1) throw BadArguments("name one scene; chart --list names them");
+  return answer(wanted.front(), {tolerance, rate}, budget);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const BadArguments& error) {
+    std::fprintf(stderr, "choose: %s\n", error.what());
+    return 2;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "choose: %s\n", error.what());
+    return 1;
+  }
+}

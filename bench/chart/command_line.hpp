@@ -1,0 +1,64 @@
+// SPDX-FileCopyrightText: 2026 The softsim authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <algorithm>
+#include <cstdlib>
+#include <iterator>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "scenes.hpp"
+
+namespace chart {
+
+/// What a user has to hear in one sentence.
+struct BadArguments : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// The words of a command line, one after the other.
+class Words {
+ public:
+  Words(int argc, char** argv) : words_(argv + 1, argv + argc) {}
+  /// The next word, if there is one.
+  bool next(std::string& word) {
+    if (at_ == words_.size()) return false;
+    word = words_[at_++];
+    return true;
+  }
+  /// The value of an option.
+  std::string value_of(const std::string& option) {
+    if (at_ == words_.size()) throw BadArguments(option + ": a value is missing");
+    return words_[at_++];
+  }
+  /// The same, a number.
+  double positive(const std::string& option) {
+    const std::string text = value_of(option);
+    char* end = nullptr;
+    const double x = std::strtod(text.c_str(), &end);
+    if (text.empty() || *end != 0 || !(x > 0) || !(x < 1e12))
+      throw BadArguments(option + " '" + text + "': must be a positive number");
+    return x;
+  }
+
+ private:
+  std::vector<std::string> words_;
+  std::size_t at_ = 0;
+};
+
+/// The scenes of these names, or all.
+inline std::vector<Scene> scenes_named(const std::vector<std::string>& names) {
+  const std::vector<Scene> all = scenes();
+  std::vector<Scene> result;
+  for (const std::string& name : names) {
+    const std::size_t before = result.size();
+    std::copy_if(all.begin(), all.end(), std::back_inserter(result),
+                 [&](const Scene& s) { return name == "all" || s.name == name; });
+    if (result.size() == before) throw BadArguments("no scene '" + name + "'; chart --list names them");
+  }
+  return result;
+}
+
+}  // namespace chart

@@ -1,0 +1,96 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: 2026 The softsim authors
+# SPDX-License-Identifier: MIT
+"""Draws FOLDER/SCENE.png of each FOLDER/SCENE.csv that chart wrote: error against time to solution.
+
+usage: plot_chart.py FOLDER SCENE[=TITLE]...
+"""
+import csv
+import pathlib
+import sys
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+
+# Okabe & Ito's colours, by what a model's name begins with; the first that fits.
+FAMILIES = [("springs", "springs", "#999999", "x"), ("mass_tensor", "mass tensors", "#F0E442", "P"),
+            ("heml", "HEML", "#E69F00", "D"), ("tet4_corotational", "corotational", "#56B4E9", "v"),
+            ("hex8_corotational", "corotational", "#56B4E9", "v"), ("tet4_nodal_volume", "averaged volumes", "#CC79A7", "h"),
+            ("tet4_linear", "small strain", "#000000", "+"), ("tet4", "tetrahedra", "#0072B2", "o"),
+            ("tet10", "ten-node tetrahedra", "#D55E00", "^"), ("hex8", "hexahedra", "#009E73", "s"),
+            ("frames", "frames", "#8B1A1A", "*"), ("", "others", "#666666", ".")]
+
+
+def family(model):
+    return next(f for f in FAMILIES if model.startswith(f[0]))
+
+
+def front(rows):
+    """Those that no other is both faster and more accurate than, by time."""
+    best, result = float("inf"), []
+    for r in sorted(rows, key=lambda r: (r["seconds"], r["error"])):
+        if r["error"] < best:
+            best = r["error"]
+            result.append(r)
+    return result
+
+
+def draw(folder, scene, title):
+    with open(folder / f"{scene}.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    for r in rows:
+        for key in ("error", "seconds"):
+            r[key] = float(r[key]) if r[key] else float("nan")
+    good = [r for r in rows if r["status"] == "converged" and r["error"] < 10]
+    failed = [r for r in rows if r["status"] != "converged"]
+    if not good:
+        sys.exit(f"plot_chart: no method solved {scene}")
+    best = front(good)
+    figure, axes = plt.subplots(figsize=(9, 5.6), layout="constrained")
+    labels = {}
+    for r in good:
+        _, label, colour, marker = family(r["model"])
+        on_front = r in best
+        mark = axes.scatter(r["seconds"], max(r["error"], 1e-10), s=44 if on_front else 18, marker=marker, color=colour,
+                            alpha=1 if on_front else 0.3, linewidths=1, zorder=3 if on_front else 2,
+                            edgecolors="none" if marker not in "x+" and not on_front else None)
+        if on_front or label not in labels:
+            labels[label] = mark
+    axes.step([r["seconds"] for r in best], [max(r["error"], 1e-10) for r in best], where="post", color="0.35", lw=0.9,
+              zorder=1)
+    axes.set(xscale="log", yscale="log", xlabel="time to solution, one core (s)",
+             ylabel="relative error of the displacement")
+    top = max(1.0, max(r["error"] for r in good)) * 3
+    for r in failed:
+        _, label, colour, marker = family(r["model"])
+        axes.scatter(r["seconds"], top, marker=marker, color=colour, alpha=0.5, s=18, clip_on=False)
+    if failed:
+        axes.annotate(f"failed: {len(failed)}", (0.99, top), xycoords=("axes fraction", "data"), ha="right", va="bottom",
+                      fontsize=8)
+    axes.set_ylim(top=top * 2)
+    for seconds, text in ((1e-3, "1 kHz"), (0.04, "25 Hz")):
+        axes.axvline(seconds, color="0.6", lw=0.8, ls=":")
+        axes.annotate(text, (seconds, 0.01), xycoords=("data", "axes fraction"), fontsize=8, rotation=90, ha="right",
+                      va="bottom", color="0.4")
+    shown = {}
+    for r in best:  # the name of every model where it is first on the front
+        if r["model"] not in shown:
+            shown[r["model"]] = True
+            axes.annotate(r["model"], (r["seconds"], max(r["error"], 1e-10)), textcoords="offset points", xytext=(5, 4),
+                          fontsize=7.5)
+    axes.legend(labels.values(), labels.keys(), fontsize=8, loc="upper left", bbox_to_anchor=(1.005, 1), frameon=False)
+    axes.grid(alpha=0.25)
+    axes.set_title(title, fontsize=11)
+    figure.savefig(folder / f"{scene}.png", dpi=130)
+    plt.close(figure)
+    print(folder / f"{scene}.png")
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 3:
+        sys.exit(__doc__)
+    for word in sys.argv[2:]:
+        name, _, text = word.partition("=")
+        draw(pathlib.Path(sys.argv[1]), name, text or name)

@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: 2026 The softsim authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "model.hpp"
+#include "softsim/solver/report.hpp"
+
+namespace chart {
+
+/// Moves a state to equilibrium, from wherever it is.
+template <class T>
+using Solve = std::function<softsim::StepReport(const AnySystem<T>&, softsim::State<T>&)>;
+
+/// A linear solver with its preconditioner, under Newton's method.
+struct Solver {
+  std::string name, preconditioner;
+  /// A solver for one system, which keeps what it has worked out for it.
+  std::function<Solve<double>(int load_steps)> in_double;
+  std::function<Solve<float>(int load_steps)> in_float;
+
+  template <class T>
+  [[nodiscard]] Solve<T> make(int load_steps) const {
+    if constexpr (std::is_same_v<T, double>)
+      return in_double(load_steps);
+    else
+      return in_float(load_steps);
+  }
+};
+
+/// All of them.
+std::vector<Solver> solvers();
+
+}  // namespace chart
