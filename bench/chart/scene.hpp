@@ -55,6 +55,9 @@ struct Scene {
   std::vector<Vec> probes = {};
   /// The answer, where there is a closed form; else it is kept in data/NAME.csv.
   std::function<Vec(const Vec&)> closed_form = nullptr;
+  /// Finest mesh that it is worked out on, a multiple of four, and with what.
+  int reference_resolution = 8;
+  std::string reference_preconditioner = "multigrid";
 };
 
 /// n points from a to b, both included.

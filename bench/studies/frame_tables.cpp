@@ -132,14 +132,17 @@ struct Table {
   std::ostream& csv;
   bool finite = true;
 
-  void line(const std::string& table, std::size_t frames, std::size_t samples, int neighbours, int iterations,
-            const std::string& what, double ms, double thesis) {
-    csv << table << ',' << frames << ',' << samples << ',' << neighbours << ',' << iterations << ',' << what
-        << ',' << ms << ',' << thesis << std::endl;
-    std::printf("%-8s %6zu frames %8zu samples %3d neighbours %4d iterations  %-22s %10.3f ms", table.c_str(),
-                frames, samples, neighbours, iterations, what.c_str(), ms);
+  /// @param followed frames that a sample follows: those that are unknowns
+  void line(const std::string& table, std::size_t frames, std::size_t followed, std::size_t samples,
+            int neighbours, int iterations, const std::string& what, double ms, double thesis) {
+    csv << table << ',' << frames << ',' << followed << ',' << samples << ',' << neighbours << ','
+        << iterations << ',' << what << ',' << ms << ',' << thesis << std::endl;
+    std::printf("%-8s %6zu frames", table.c_str(), frames);
+    if (followed < frames) std::printf(" (%zu followed)", followed);
+    std::printf(" %8zu samples %3d neighbours %4d iterations  %-22s %10.3f ms", samples, neighbours,
+                iterations, what.c_str(), ms);
     if (thesis > 0)
-      std::printf("  thesis %10.2f ms, %.0f times as long\n", thesis, thesis / ms);
+      std::printf("  thesis %10.2f ms, %.3g times as long\n", thesis, thesis / ms);
     else
       std::printf("\n");
   }
@@ -155,7 +158,7 @@ struct Table {
     const double ms = median_ms([&] {
       if (integrator.step(scene.system, motion).status == Status::not_finite) finite = false;
     });
-    line(table, frames, scene.body.size(), N, iterations, route, ms, thesis);
+    line(table, frames, scene.nodes.frames().size(), scene.body.size(), N, iterations, route, ms, thesis);
   }
 };
 
@@ -194,9 +197,9 @@ void table_4_4(Table& table, const std::array<int, 3>& frames, const std::array<
     direct.apply(g, x);
   });
   if (!x.allFinite()) table.finite = false;
-  table.line("4.4", count, body.size(), 4, 0, "newton_iteration", forces, thesis[0]);
-  table.line("4.4", count, body.size(), 4, 0, "system_build", build, thesis[1]);
-  table.line("4.4", count, body.size(), 4, 0, "system_solving", solve, thesis[2]);
+  table.line("4.4", count, count, body.size(), 4, 0, "newton_iteration", forces, thesis[0]);
+  table.line("4.4", count, count, body.size(), 4, 0, "system_build", build, thesis[1]);
+  table.line("4.4", count, count, body.size(), 4, 0, "system_solving", solve, thesis[2]);
 }
 
 void steps_of_1000_frames(Table& table, const std::string& name, int samples, double thesis) {
@@ -215,9 +218,10 @@ void neighbours(Table& table, int samples) {
   MatrixFreeTangent<S> tangent;
   tangent.set(scene.system, q, {});
   const Vector<double> d = Vector<double>::Constant(y.size(), 1e-3);
-  table.line("neighbours", 1000, scene.body.size(), N, 1, "product", median_ms([&] { tangent.apply(d, y); }),
-             0);
-  table.line("neighbours", 1000, scene.body.size(), N, 1, "force", median_ms([&] {
+  table.line("neighbours", 1000, scene.nodes.frames().size(), scene.body.size(), N, 1, "product",
+             median_ms([&] { tangent.apply(d, y); }), 0);
+  table.line("neighbours", 1000, scene.nodes.frames().size(), scene.body.size(), N, 1, "force",
+             median_ms([&] {
                y.setZero();
                scene.system.add_gradient(q, y);
              }),
@@ -227,7 +231,7 @@ void neighbours(Table& table, int samples) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const std::string header = "table,frames,samples,neighbours,iterations,what,ms,thesis_ms";
+  const std::string header = "table,frames,frames_followed,samples,neighbours,iterations,what,ms,thesis_ms";
   return study::run(argc, argv, "frame_tables", header, true, [](std::ostream& csv, bool long_form) {
     csv.precision(6);
     Table table{csv};
