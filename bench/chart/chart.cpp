@@ -7,13 +7,13 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
-#include <map>
 #include <string>
 #include <vector>
 
 #include "../../examples/picture.hpp"
 #include "command_line.hpp"
 #include "measure.hpp"
+#include "sweep.hpp"
 
 // chart SCENE: all methods on one scene, error against time. `chart --help` tells the rest.
 
@@ -69,70 +69,17 @@ Options parse(int argc, char** argv) {
   return o;
 }
 
-void list(const std::vector<Model>& all_models, const std::vector<Solver>& all_solvers) {
+void list(const Toolbox& tools) {
   std::printf("scenes\n");
   for (const Scene& s : scenes()) std::printf("  %-20s %s\n", s.name.c_str(), s.title.c_str());
   std::printf("models\n");
-  for (const Model& m : all_models) std::printf("  %-20s %s\n", m.name.c_str(), m.family.c_str());
+  for (const Model& m : tools.models) std::printf("  %-20s %s\n", m.name.c_str(), m.family.c_str());
   std::printf("solvers\n");
-  for (const Solver& s : all_solvers) std::printf("  %-20s %s\n", s.name.c_str(), s.preconditioner.c_str());
+  for (const Solver& s : tools.solvers) std::printf("  %-20s %s\n", s.name.c_str(), s.preconditioner.c_str());
+  std::printf("integrators\n");
+  for (const Integrator& i : tools.integrators)
+    std::printf("  %-26s %-6s %s\n", i.name.c_str(), i.solver.c_str(), i.preconditioner.c_str());
   std::printf("scalars\n  double, float\n");
-}
-
-// All methods, coarse to fine; a method whose next resolution would take more than its share of what is left
-// of the budget ends there.
-std::vector<Point> sweep(const Scene& scene, const Options& o, const std::vector<Model>& all_models,
-                         const std::vector<Solver>& all_solvers) {
-  const Reference reference = reference_of(scene, SOFTSIM_CHART_DATA);
-  struct Candidate {
-    Method method;
-    double last = 0;  // s that the last resolution took in all
-    bool out = false;
-  };
-  std::vector<Candidate> candidates;
-  for (const Model& m : all_models)
-    for (const Solver& s : all_solvers)
-      for (const bool single : {false, true}) candidates.push_back({{&m, &s, single}});
-  std::vector<Point> points;
-  std::map<std::string, std::string> reasons;
-  const double start = cpu_seconds();
-  const auto left = [&] { return o.budget - (cpu_seconds() - start); };
-  int previous = 0, skipped = 0;
-  for (std::size_t k = 0; k < scene.resolutions.size() && static_cast<int>(k) < o.resolutions; ++k) {
-    const int resolution = scene.resolutions[k];
-    const double growth = previous == 0 ? 1 : std::pow(static_cast<double>(resolution) / previous, 4);
-    std::size_t remaining = 0;
-    for (const Candidate& c : candidates) remaining += c.out ? 0 : 1;
-    for (Candidate& c : candidates) {
-      if (c.out) continue;
-      const double share = 3 * left() / static_cast<double>(std::max<std::size_t>(remaining, 1));
-      --remaining;
-      if (left() <= 0 || c.last * growth > std::max(share, 0.02)) {
-        c.out = true;
-        ++skipped;
-        continue;
-      }
-      const double before = cpu_seconds();
-      try {
-        points.push_back(measure(scene, reference, c.method, resolution, share / 3));
-        c.last = points.back().seconds + points.back().setup_seconds;
-      } catch (const NotApplicable& why) {
-        reasons[c.method.model->name] = why.what();
-        c.out = true;
-      } catch (const std::invalid_argument& why) {
-        reasons[c.method.model->name] = why.what();
-        c.out = true;
-      }
-      if (cpu_seconds() - before > o.budget / 3) c.out = true;
-    }
-    previous = resolution;
-  }
-  for (const auto& [model, why] : reasons)
-    std::printf("%s: no %s: %s\n", scene.name.c_str(), model.c_str(), why.c_str());
-  if (skipped > 0)
-    std::printf("%s: %d methods ended before the finest resolution, for want of time\n", scene.name.c_str(),
-                skipped);
-  return points;
 }
 
 void print_front(const Scene& scene, std::vector<Point> points, double reference_error) {
@@ -144,30 +91,28 @@ void print_front(const Scene& scene, std::vector<Point> points, double reference
   for (const Point& p : points) {
     if (p.error >= best) continue;
     best = p.error;
-    std::printf("  %10.3g s  error %9.3g  %-20s %-15s %-20s resolution %2d %s\n", p.seconds, p.error,
-                p.model.c_str(), p.solver.c_str(), p.preconditioner.c_str(), p.resolution, p.scalar.c_str());
+    std::printf("  %10.3g s  error %9.3g  %s\n", p.seconds, p.error, described(p).c_str());
   }
 }
 
 // Ten-node tetrahedra on three meshes, each with half the cells of the one before, and what their answers
 // tend to (Richardson); half of the last correction is taken for the error.
-void make_reference(const Scene& scene, const std::vector<Model>& all_models,
-                    const std::vector<Solver>& all_solvers) {
+void make_reference(const Scene& scene, const Toolbox& tools) {
   if (scene.closed_form) {
     std::printf("%s: has a closed form\n", scene.name.c_str());
     return;
   }
-  const Model& model =
-      *std::find_if(all_models.begin(), all_models.end(), [](const Model& m) { return m.name == "tet10"; });
-  const Solver& solver = *std::find_if(all_solvers.begin(), all_solvers.end(), [&](const Solver& s) {
+  const Model& model = *std::find_if(tools.models.begin(), tools.models.end(),
+                                     [](const Model& m) { return m.name == "tet10"; });
+  const Solver& solver = *std::find_if(tools.solvers.begin(), tools.solvers.end(), [&](const Solver& s) {
     return s.preconditioner == scene.reference_preconditioner;
   });
   const int finest = scene.reference_resolution;
   std::vector<std::vector<Vec>> u;
   for (const int resolution : {finest / 4, finest / 2, finest}) {
     const double start = cpu_seconds();
-    Bench<double> bench(scene, {&model, &solver}, resolution);
-    if (bench.solve().status != softsim::Status::converged)
+    Bench<double> bench(scene, {.model = &model, .solver = &solver}, resolution);
+    if (bench.run().status != softsim::Status::converged)
       throw std::runtime_error("the reference of " + scene.name + " did not converge");
     u.push_back(bench.answer());
     std::printf("%s: resolution %d in %.0f s\n", scene.name.c_str(), resolution, cpu_seconds() - start);
@@ -187,19 +132,18 @@ void make_reference(const Scene& scene, const std::vector<Model>& all_models,
 }
 
 int run(const Options& o) {
-  const std::vector<Model> all_models = models();
-  const std::vector<Solver> all_solvers = solvers();
+  const Toolbox tools;
   if (o.show_help) {
     std::fputs(help, stdout);
     return 0;
   }
   if (o.list) {
-    list(all_models, all_solvers);
+    list(tools);
     return 0;
   }
   const std::vector<Scene> wanted = scenes_named(o.scenes);
   if (o.reference) {
-    for (const Scene& scene : wanted) make_reference(scene, all_models, all_solvers);
+    for (const Scene& scene : wanted) make_reference(scene, tools);
     return 0;
   }
   std::error_code error;
@@ -210,10 +154,17 @@ int run(const Options& o) {
     csv.precision(6);
     csv << Point::header << '\n';
     if (!csv.flush()) throw std::runtime_error("cannot write '" + path.string() + "'");
-    const std::vector<Point> points = sweep(scene, o, all_models, all_solvers);
-    for (const Point& p : points) csv << p << '\n';
+    const Reference reference = reference_of(scene, SOFTSIM_CHART_DATA);
+    Sweep sweep(scene, reference, o.budget, static_cast<std::size_t>(o.resolutions));
+    sweep.run(tools, [&](const Point& p) { csv << p << std::endl; });
+    const std::vector<Point>& points = sweep.points();
     if (!csv.flush()) throw std::runtime_error("cannot write '" + path.string() + "'");
-    print_front(scene, points, reference_of(scene, SOFTSIM_CHART_DATA).error);
+    for (const auto& [model, why] : sweep.reasons())
+      std::printf("%s: no %s: %s\n", scene.name.c_str(), model.c_str(), why.c_str());
+    if (sweep.ended_early() > 0)
+      std::printf("%s: %d methods ended before the finest resolution, for want of time\n", scene.name.c_str(),
+                  sweep.ended_early());
+    print_front(scene, points, reference.error);
     std::printf("%s: %zu points in %s\n", scene.name.c_str(), points.size(), path.string().c_str());
   }
   if (!o.picture) return 0;

@@ -25,14 +25,10 @@ constexpr const char* help =
     "(100 s).\n"
     "Exit status: 0, 1 if no method is both accurate and fast enough, 2 for a wrong question.\n";
 
-std::string described(const Point& p) {
-  const std::string preconditioner = p.preconditioner == "-" ? "" : " with " + p.preconditioner;
-  return p.model + ", " + p.solver + preconditioner + ", " + p.scalar + ", resolution " +
-         std::to_string(p.resolution);
-}
-void print(const Point& p) {
-  std::printf("  %9.3g s   error %8.3g   set-up %8.3g s   %8.3g MB   %s\n", p.seconds, p.error,
-              p.setup_seconds, static_cast<double>(p.memory) / 1e6, described(p).c_str());
+void print(const Scene& scene, const Point& p) {
+  std::printf("  %9.3g s%s   error %8.3g   set-up %8.3g s   %8.3g MB   %s\n", cost(scene, p),
+              scene.duration > 0 ? " a second" : "", p.error, p.setup_seconds,
+              static_cast<double>(p.memory) / 1e6, described(p).c_str());
 }
 
 int answer(const Scene& scene, const Wish& wish, double budget) {
@@ -45,16 +41,16 @@ int answer(const Scene& scene, const Wish& wish, double budget) {
         scene.name.c_str(), wish.tolerance, reference.error);
     return 2;
   }
-  const std::vector<Model> all_models = models();
-  const std::vector<Solver> all_solvers = solvers();
+  const Toolbox tools;
   Exploration exploration(scene, reference, wish, budget);
-  exploration.run(all_models, all_solvers);
+  exploration.run(tools);
   std::vector<Point> points = exploration.points();
   std::erase_if(points, [](const Point& p) { return !std::isfinite(p.error); });
+  const auto cost_of = [&](const Point& p) { return cost(scene, p); };
   std::sort(points.begin(), points.end(),
-            [](const Point& a, const Point& b) { return a.seconds < b.seconds; });
+            [&](const Point& a, const Point& b) { return cost_of(a) < cost_of(b); });
   const auto best =
-      std::find_if(points.begin(), points.end(), [&](const Point& p) { return wish.met_by(p); });
+      std::find_if(points.begin(), points.end(), [&](const Point& p) { return wish.met_by(scene, p); });
   std::printf("%s: %zu measurements%s\n", scene.name.c_str(), exploration.points().size(),
               exploration.out_of_time() ? ", ended by the budget" : "");
   if (best == points.end()) {
@@ -62,13 +58,14 @@ int answer(const Scene& scene, const Wish& wish, double budget) {
         std::find_if(points.begin(), points.end(), [&](const Point& p) { return p.error <= wish.tolerance; });
     const Point* closest = nullptr;
     for (const Point& p : points)
-      if (p.seconds * wish.rate <= 1 && (closest == nullptr || p.error < closest->error)) closest = &p;
+      if (Wish{1e300, wish.rate}.met_by(scene, p) && (closest == nullptr || p.error < closest->error))
+        closest = &p;
     std::fflush(stdout);
     std::fprintf(stderr, "choose: %s: no method reaches an error of %g at %g Hz", scene.name.c_str(),
                  wish.tolerance, wish.rate);
     if (accurate != points.end())
-      std::fprintf(stderr, "; accurate enough is %s at %.3g Hz", described(*accurate).c_str(),
-                   1 / accurate->seconds);
+      std::fprintf(stderr, "; accurate enough is %s in %.3g s%s", described(*accurate).c_str(),
+                   cost_of(*accurate), scene.duration > 0 ? " a second" : "");
     if (closest != nullptr)
       std::fprintf(stderr, "; fast enough is %s with an error of %.2g", described(*closest).c_str(),
                    closest->error);
@@ -76,18 +73,21 @@ int answer(const Scene& scene, const Wish& wish, double budget) {
     return 1;
   }
   std::printf("cheapest with an error of at most %g, at %g Hz:\n", wish.tolerance, wish.rate);
-  print(*best);
-  std::printf("runners-up of other models:\n");
+  print(scene, *best);
+  std::printf("runners-up of other models (as far as they take less than %g times as long):\n",
+              Exploration::hopeless);
   std::set<std::string> shown{best->model};
   for (const Point& p : points)
-    if (p.error <= wish.tolerance && shown.insert(p.model).second && shown.size() <= 5) print(p);
+    if (p.error <= wish.tolerance && shown.insert(p.model).second && shown.size() <= 5) print(scene, p);
+  if (shown.size() == 1) std::printf("  none\n");
   std::printf("less error costs:\n");
   double error = best->error;
   for (const Point& p : points)
-    if (p.seconds >= best->seconds && p.error < error / 1.5) {
+    if (cost_of(p) >= cost_of(*best) && p.error < error / 1.5) {
       error = p.error;
-      print(p);
+      print(scene, p);
     }
+  if (error == best->error) std::printf("  nothing that was tried has less\n");
   return 0;
 }
 

@@ -78,6 +78,7 @@ Discrete<T> discrete(const Scene& scene, const Mesh& mesh, bench::AnyTerm<T> ela
                      bench::AnyTerm<T> more = {}) {
   AnySystem<T> system(mesh, std::move(elastic), std::move(more), nodal_loads<T>(scene, mesh));
   hold_points(system, scene);
+  if (scene.duration > 0) system.mass = softsim::Mass<T>::lumped(mesh, scene.density);
   std::vector<softsim::ShapeValues> shapes;
   const softsim::MeshShapes<Mesh> of_mesh(mesh);
   for (const Vec& X : scene.probes) shapes.push_back(of_mesh.at(X));

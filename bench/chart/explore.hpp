@@ -6,26 +6,41 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <queue>
+#include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "measure.hpp"
 
 namespace chart {
 
+/// What a point costs: s a solve, s per simulated second.
+inline double cost(const Scene& scene, const Point& p) {
+  return scene.duration > 0 ? p.seconds_per_simulated_second : p.seconds;
+}
+
 /// What a user wants of a scene.
 struct Wish {
   double tolerance;  ///< relative error
-  double rate;       ///< solves per second
-  [[nodiscard]] bool met_by(const Point& p) const { return p.error <= tolerance && p.seconds * rate <= 1; }
+  double rate;       ///< Hz: solves per second, or frames per second of a simulation in real time
+  /// A simulation has to keep up with the clock, and to make a step a frame at least.
+  [[nodiscard]] bool met_by(const Scene& scene, const Point& p) const {
+    if (!(p.error <= tolerance)) return false;
+    return scene.duration > 0 ? p.seconds_per_simulated_second <= 1 && p.step * rate <= 1 + 1e-9
+                              : p.seconds * rate <= 1;
+  }
 };
 
-/// Finds cheap methods that meet a wish without trying all of them.
+/// Finds cheap methods that meet a wish without trying all of them: what is expected to be cheapest is tried
+/// first.
 ///
-/// The error depends on the model and its resolution, hardly on the solver: every model climbs from its
-/// coarsest resolution, with the solver that was fastest one resolution before, until it is accurate enough
-/// or takes more than `hopeless` times as long as the best that is. Then solvers and single precision are
-/// tried on the resolutions that were accurate enough, the fastest first.
+/// Every model starts on its coarsest resolution, with every solver, or with every integrator and its longest
+/// step. What was measured tells what the next finer resolution and the next shorter step will take; both
+/// join the queue, but not the resolution if it was accurate enough, or hardly better than the one before
+/// (its step is too long). The search ends where the next try would take more than `hopeless` times as long
+/// as the best that is accurate enough. Then single precision is tried where double was accurate enough.
 class Exploration {
  public:
   static constexpr double hopeless = 4;
@@ -34,95 +49,86 @@ class Exploration {
   Exploration(const Scene& scene, const Reference& reference, const Wish& wish, double budget)
       : scene_(scene), reference_(reference), wish_(wish), end_(cpu_seconds() + budget) {}
 
-  void run(const std::vector<Model>& models, const std::vector<Solver>& solvers) {
-    struct Climb {
-      const Model* model;
-      std::size_t next = 0, solver = 0;
-      double seconds = 0;
-      bool out = false;
-    };
-    std::vector<Climb> climbs;
-    for (const Model& m : models) climbs.push_back({&m});
-    struct Feasible {
-      const Model* model;
-      int resolution;
-      std::size_t solver;
-      double seconds;
-    };
-    std::vector<Feasible> feasible;
-    for (std::size_t left = climbs.size(); left > 0;) {
-      left = 0;
-      for (Climb& c : climbs) {
-        if (c.out) continue;
-        if (c.next == scene_.resolutions.size() || cpu_seconds() > end_) {
-          c.out = true;
-          continue;
-        }
-        const int resolution = scene_.resolutions[c.next];
-        if (c.next > 0) {
-          const double growth = std::pow(static_cast<double>(resolution) / scene_.resolutions[c.next - 1], 3);
-          if (c.seconds * growth > hopeless * limit()) {
-            c.out = true;
-            continue;
-          }
-        }
-        // all solvers where that is cheap, else the last one's best
-        std::size_t first = c.solver, last = c.solver + 1;
-        if (c.seconds < 0.05) first = 0, last = solvers.size();
-        double best = std::numeric_limits<double>::infinity(), error = best;
-        for (std::size_t s = first; s < last && !c.out; ++s) {
-          const Point* p = ask({c.model, &solvers[s]}, resolution);
-          if (p == nullptr) {
-            c.out = true;
-          } else if (p->seconds < best && std::isfinite(p->error)) {
-            best = p->seconds;
-            error = p->error;
-            c.solver = s;
-          }
-        }
-        if (c.out) continue;
-        ++c.next;
-        if (std::isfinite(best)) c.seconds = best;
-        if (error <= wish_.tolerance) {
-          feasible.push_back({c.model, resolution, c.solver, best});
-          c.out = true;
-        } else {
-          ++left;
-        }
+  void run(const Toolbox& tools) {
+    const auto later = [](const Try& a, const Try& b) { return a.expected > b.expected; };
+    std::priority_queue<Try, std::vector<Try>, decltype(later)> queue(later);
+    const std::size_t steps = std::max<std::size_t>(scene_.steps.size(), 1);
+    std::vector<std::vector<Method>> methods;  // of each model; those of one integrator follow each other
+    for (const Model& m : tools.models) {
+      methods.push_back(tools.methods(scene_, m, false));
+      for (std::size_t k = 0; k<methods.back().size(); k += scene_.duration> 0 ? steps : 1)
+        queue.push({.model = methods.size() - 1, .method = k});
+    }
+    std::vector<std::pair<Method, int>> accurate;
+    while (!queue.empty() && queue.top().expected <= hopeless * limit()) {
+      const Try t = queue.top();
+      queue.pop();
+      const std::vector<Method>& of_model = methods[t.model];
+      const int resolution = scene_.resolutions[t.level];
+      const Point* p = ask(of_model[t.method], resolution);
+      if (out_of_time_) break;
+      if (p == nullptr) continue;
+      if (t.level == 0 && scene_.duration > 0 && (t.method + 1) % steps != 0)
+        queue.push({.expected = 2 * p->seconds, .model = t.model, .method = t.method + 1});
+      if (!std::isfinite(p->error)) continue;
+      if (p->error <= wish_.tolerance) accurate.emplace_back(of_model[t.method], resolution);
+      if (p->error > wish_.tolerance && p->error < 0.9 * t.error && t.level + 1 < scene_.resolutions.size()) {
+        const double finer = static_cast<double>(scene_.resolutions[t.level + 1]) / resolution;
+        queue.push({.expected = p->seconds * std::pow(finer, 3),
+                    .error = p->error,
+                    .model = t.model,
+                    .method = t.method,
+                    .level = t.level + 1});
       }
     }
-    std::sort(feasible.begin(), feasible.end(),
-              [](const Feasible& a, const Feasible& b) { return a.seconds < b.seconds; });
-    for (const Feasible& f : feasible) {
-      if (f.seconds > hopeless * limit()) break;
-      for (std::size_t s = 0; s < solvers.size(); ++s)
-        for (const bool single : {false, true})
-          if (cpu_seconds() < end_) (void)ask({f.model, &solvers[s], single}, f.resolution);
+    for (auto& [method, resolution] : accurate) {
+      Method single = method;
+      single.single = true;
+      (void)ask(single, resolution);
     }
+    dearer(accurate);
   }
 
   /// All that was measured.
   [[nodiscard]] const std::vector<Point>& points() const { return points_; }
   /// Whether the budget ended it.
-  [[nodiscard]] bool out_of_time() const { return cpu_seconds() > end_; }
+  [[nodiscard]] bool out_of_time() const { return out_of_time_; }
 
  private:
-  // s of the fastest that is accurate enough; of the rate, if there is none
+  struct Try {
+    double expected = 0;                                     // s
+    double error = std::numeric_limits<double>::infinity();  // on the resolution before
+    std::size_t model, method, level = 0;
+  };
+
+  // What more accuracy costs: the two finer resolutions of all that was accurate enough.
+  void dearer(const std::vector<std::pair<Method, int>>& accurate) {
+    for (const auto& [method, resolution] : accurate) {
+      const auto finer = std::upper_bound(scene_.resolutions.begin(), scene_.resolutions.end(), resolution);
+      for (auto r = finer; r != scene_.resolutions.end() && r - finer < 2; ++r) {
+        const double growth = std::pow(static_cast<double>(*r) / resolution, 3);
+        if (limit() * growth < 0.2 * (end_ - cpu_seconds())) (void)ask(method, *r);
+      }
+    }
+  }
+
+  // s that the fastest takes that is accurate enough; before there is one, that a method may take
   [[nodiscard]] double limit() const {
     double best = std::numeric_limits<double>::infinity();
     for (const Point& p : points_)
       if (p.error <= wish_.tolerance) best = std::min(best, p.seconds);
-    return std::isfinite(best) ? best : std::max(1 / wish_.rate, 0.05);
+    return std::isfinite(best)   ? best
+           : scene_.duration > 0 ? scene_.duration
+                                 : std::max(1 / wish_.rate, 0.05);
   }
-  // nullptr if the model does not fit
+  // nullptr if the model does not fit, or time is out
   const Point* ask(const Method& m, int resolution) {
-    for (const Point& p : points_)
-      if (p.model == m.model->name && p.solver == m.solver->name &&
-          p.preconditioner == m.solver->preconditioner && p.resolution == resolution &&
-          (p.scalar == "float") == m.single)
-        return &p;
+    if (cpu_seconds() > end_) {
+      out_of_time_ = true;
+      return nullptr;
+    }
     try {
-      points_.push_back(measure(scene_, reference_, m, resolution, std::min(1.0, 20 * limit())));
+      points_.push_back(measure(scene_, reference_, m, resolution, std::min(0.3, 10 * limit())));
       return &points_.back();
     } catch (const NotApplicable&) {
     } catch (const std::invalid_argument&) {
@@ -134,6 +140,7 @@ class Exploration {
   const Reference& reference_;
   Wish wish_;
   double end_;
+  bool out_of_time_ = false;
   std::vector<Point> points_;
 };
 

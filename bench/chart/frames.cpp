@@ -96,6 +96,7 @@ Discrete<T> discrete(const Scene& scene, const Mesh& mesh, const Shapes& shapes,
       std::visit([&](const auto& law) -> bench::AnyTerm<T> { return elastic<T>(body, law); }, scene.law),
       bench::AnyTerm<T>(rotation_tie<T>(body, 1e-3 * scene.young)), forces.template term<T>());
   hold_frames(system, scene, nodes);
+  if (scene.duration > 0) system.mass = Mass<T>::lumped(body, scene.density);
   std::vector<std::pair<ShapeValues, std::vector<Vec>>> blends;
   for (const Vec& X : scene.probes) blends.push_back(blend_at(X));
   const auto at_probes = [blends](const State<T>& q) {

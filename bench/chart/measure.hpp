@@ -10,6 +10,7 @@
 #include <ctime>
 #include <limits>
 #include <ostream>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,10 +21,12 @@
 
 namespace chart {
 
-/// What can be asked: a model with a solver at a resolution, in double or single precision.
+/// What can be asked: a model with a solver, or with an integrator and a step, in double or single precision.
 struct Method {
   const Model* model;
-  const Solver* solver;
+  const Solver* solver = nullptr;          ///< of a static scene
+  const Integrator* integrator = nullptr;  ///< of a dynamic one
+  double step = std::numeric_limits<double>::quiet_NaN();
   bool single = false;
 };
 
@@ -58,6 +61,19 @@ struct Point {
   }
 };
 
+/// A point in words.
+inline std::string described(const Point& p) {
+  std::string words = p.model;
+  if (p.integrator != "static") {
+    std::ostringstream step;
+    step << ", " << p.integrator << " in steps of " << p.step << " s";
+    words += step.str();
+  }
+  if (p.solver != "-") words += ", " + p.solver;
+  if (p.preconditioner != "-") words += " with " + p.preconditioner;
+  return words + ", " + p.scalar + ", resolution " + std::to_string(p.resolution);
+}
+
 /// CPU time of this thread, s: others' work on a shared machine does not count.
 inline double cpu_seconds() {
   timespec t;
@@ -70,58 +86,106 @@ template <class T>
 class Bench {
  public:
   Bench(const Scene& scene, const Method& m, int resolution)
-      : discrete_(m.model->make<T>(scene, resolution)), solve_(m.solver->make<T>(scene.load_steps)) {}
-
-  /// Solves from rest.
-  softsim::StepReport solve() {
-    q_ = discrete_.system.rest_state();
-    return solve_(discrete_.system, q_);
+      : scene_(scene), discrete_(m.model->make<T>(scene, resolution)) {
+    if (scene.duration == 0) {
+      solve_ = m.solver->make<T>(scene.load_steps);
+    } else {
+      const int per_time =
+          std::max(1, static_cast<int>(std::ceil(scene.duration / m.step / scene.times - 1e-9)));
+      steps_ = per_time * scene.times;
+      advance_ = m.integrator->make<T>(scene.duration / steps_);
+    }
   }
-  /// Displacements at the probes after the last solve.
-  [[nodiscard]] std::vector<Vec> answer() const { return discrete_.at_probes(q_); }
+
+  /// Solves from rest, or simulates the whole duration.
+  softsim::StepReport run() {
+    answer_.clear();
+    if (scene_.duration > 0) return simulate();
+    softsim::State<T> q = discrete_.system.rest_state();
+    const softsim::StepReport report = solve_(discrete_.system, q);
+    answer_ = discrete_.at_probes(q);
+    return report;
+  }
+  /// Displacements at the probes, time after time, of the last run.
+  [[nodiscard]] const std::vector<Vec>& answer() const { return answer_; }
 
  private:
+  softsim::StepReport simulate() {
+    const auto& system = discrete_.system;
+    softsim::Motion<T> motion = system.rest_motion();
+    const auto blocks = static_cast<std::ptrdiff_t>(system.rest().size());
+    const auto points = static_cast<std::ptrdiff_t>(system.points());
+    for (std::ptrdiff_t b = 0; b < blocks && scene_.velocity; ++b)
+      if (b < points || (b - points) % 2 == 0)
+        softsim::block(motion.v, b) =
+            scene_.velocity(system.rest()[static_cast<std::size_t>(b)]).template cast<T>();
+    system.prescribed.mask(motion.v);
+    softsim::StepReport report;
+    for (int k = 1; k <= steps_; ++k) {
+      report = advance_(system, motion);
+      if (report.status != softsim::Status::converged) return report;
+      if (k % (steps_ / scene_.times) != 0) continue;
+      const std::vector<Vec> u = discrete_.at_probes(motion.q);
+      answer_.insert(answer_.end(), u.begin(), u.end());
+    }
+    return report;
+  }
+
+  const Scene& scene_;
   Discrete<T> discrete_;
   Solve<T> solve_;
-  softsim::State<T> q_;
+  Advance<T> advance_;
+  int steps_ = 0;
+  std::vector<Vec> answer_;
 };
 
-/// Runs a method on a scene. The first solve, which also makes patterns and orders, counts to the set-up as
-/// far as it takes longer than the median of the others.
-/// @param patience s that the repeats may take; at least one is made if the first solve took less
+/// Runs a method on a scene. The first run, which also makes patterns and orders, counts to the set-up as far
+/// as it takes longer than the median of the others.
+/// @param patience s that the repeats may take; at least one is made if the first run took less
 /// @throws NotApplicable if the model does not fit the scene
 template <class T>
 Point measure_in(const Scene& scene, const Reference& reference, const Method& m, int resolution,
                  double patience) {
+  const bool moves = scene.duration > 0;
   Point p{.model = m.model->name,
-          .integrator = "static",
-          .solver = m.solver->name,
-          .preconditioner = m.solver->preconditioner,
+          .integrator = moves ? m.integrator->name : "static",
+          .solver = moves ? m.integrator->solver : m.solver->name,
+          .preconditioner = moves ? m.integrator->preconditioner : m.solver->preconditioner,
+          .step = m.step,
           .resolution = resolution,
           .scalar = std::is_same_v<T, double> ? "double" : "float"};
-  const std::size_t before = mallinfo2().uordblks + mallinfo2().hblkhd;
+  const auto took = [&](double seconds) {
+    p.seconds = seconds;
+    if (moves) p.seconds_per_simulated_second = seconds / scene.duration;
+  };
+  const auto in_use = [] {
+    const auto info = mallinfo2();
+    return info.uordblks + info.hblkhd;
+  };
+  const std::size_t before = in_use();
   const double start = cpu_seconds();
   Bench<T> bench(scene, m, resolution);
   const double built = cpu_seconds();
-  const softsim::StepReport report = bench.solve();
+  const softsim::StepReport report = bench.run();
   const double first = cpu_seconds() - built;
-  p.memory = mallinfo2().uordblks + mallinfo2().hblkhd - before;
+  p.memory = in_use() - before;
   p.status = to_string(report.status);
   p.setup_seconds = built - start;
-  p.seconds = first;
+  took(first);
   if (report.status != softsim::Status::converged) return p;
   p.error = relative_distance(bench.answer(), reference.u);
+  if (!std::isfinite(p.error)) p.status = "not_finite";
   std::vector<double> times;
   for (double spent = 0;
        times.size() < 9 && (spent + first < patience || (times.empty() && first < patience));) {
     const double begin = cpu_seconds();
-    (void)bench.solve();
+    (void)bench.run();
     times.push_back(cpu_seconds() - begin);
     spent += times.back();
   }
   if (times.empty()) return p;
   std::nth_element(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2), times.end());
-  p.seconds = times[times.size() / 2];
+  took(times[times.size() / 2]);
   p.setup_seconds += std::max(0.0, first - p.seconds);
   return p;
 }
@@ -131,6 +195,25 @@ inline Point measure(const Scene& scene, const Reference& reference, const Metho
   return m.single ? measure_in<float>(scene, reference, m, resolution, patience)
                   : measure_in<double>(scene, reference, m, resolution, patience);
 }
+
+/// All that scenes may be asked with.
+struct Toolbox {
+  std::vector<Model> models = chart::models();
+  std::vector<Solver> solvers = chart::solvers();
+  std::vector<Integrator> integrators = chart::integrators();
+
+  /// The methods for a scene with one model: its kind of solver, its steps.
+  [[nodiscard]] std::vector<Method> methods(const Scene& scene, const Model& model, bool single) const {
+    std::vector<Method> all;
+    if (scene.duration == 0)
+      for (const Solver& s : solvers) all.push_back({.model = &model, .solver = &s, .single = single});
+    else
+      for (const Integrator& i : integrators)
+        for (const double dt : scene.steps)
+          all.push_back({.model = &model, .integrator = &i, .step = dt, .single = single});
+    return all;
+  }
+};
 
 /// Whether b is in no respect better than a.
 inline bool dominates(const Point& a, const Point& b) {

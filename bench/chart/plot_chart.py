@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: 2026 The softsim authors
 # SPDX-License-Identifier: MIT
-"""Draws FOLDER/SCENE.png of each FOLDER/SCENE.csv that chart wrote: error against time to solution.
+"""Draws FOLDER/SCENE.png of each FOLDER/SCENE.csv that chart wrote: error against time to solution, or against time per
+simulated second.
 
 usage: plot_chart.py FOLDER SCENE[=TITLE]...
 """
@@ -40,7 +41,10 @@ def front(rows):
 def draw(folder, scene, title):
     with open(folder / f"{scene}.csv", newline="") as file:
         rows = list(csv.DictReader(file))
+    moves = any(r["seconds_per_simulated_second"] for r in rows)
     for r in rows:
+        if moves:
+            r["seconds"] = r["seconds_per_simulated_second"]
         for key in ("error", "seconds"):
             r[key] = float(r[key]) if r[key] else float("nan")
     good = [r for r in rows if r["status"] == "converged" and r["error"] < 10]
@@ -60,7 +64,7 @@ def draw(folder, scene, title):
             labels[label] = mark
     axes.step([r["seconds"] for r in best], [max(r["error"], 1e-10) for r in best], where="post", color="0.35", lw=0.9,
               zorder=1)
-    axes.set(xscale="log", yscale="log", xlabel="time to solution, one core (s)",
+    axes.set(xscale="log", yscale="log", xlabel="time per simulated second, one core (s)" if moves else "time to solution, one core (s)",
              ylabel="relative error of the displacement")
     top = max(1.0, max(r["error"] for r in good)) * 3
     for r in failed:
@@ -70,15 +74,16 @@ def draw(folder, scene, title):
         axes.annotate(f"failed: {len(failed)}", (0.99, top), xycoords=("axes fraction", "data"), ha="right", va="bottom",
                       fontsize=8)
     axes.set_ylim(top=top * 2)
-    for seconds, text in ((1e-3, "1 kHz"), (0.04, "25 Hz")):
+    for seconds, text in ((1, "real time"),) if moves else ((1e-3, "1 kHz"), (0.04, "25 Hz")):
         axes.axvline(seconds, color="0.6", lw=0.8, ls=":")
         axes.annotate(text, (seconds, 0.01), xycoords=("data", "axes fraction"), fontsize=8, rotation=90, ha="right",
                       va="bottom", color="0.4")
     shown = {}
-    for r in best:  # the name of every model where it is first on the front
-        if r["model"] not in shown:
-            shown[r["model"]] = True
-            axes.annotate(r["model"], (r["seconds"], max(r["error"], 1e-10)), textcoords="offset points", xytext=(5, 4),
+    for r in best:  # the name of every model (and integrator) where it is first on the front
+        name = r["integrator"] if moves else r["model"]
+        if name not in shown:
+            shown[name] = True
+            axes.annotate(name, (r["seconds"], max(r["error"], 1e-10)), textcoords="offset points", xytext=(5, 4),
                           fontsize=7.5)
     axes.legend(labels.values(), labels.keys(), fontsize=8, loc="upper left", bbox_to_anchor=(1.005, 1), frameon=False)
     axes.grid(alpha=0.25)

@@ -14,7 +14,8 @@
 
 namespace chart {
 
-/// The answer to a scene: displacements at its probes, and how far they may be off themselves.
+/// The answer to a scene: displacements at its probes, time after time, and how far they may be off
+/// themselves.
 struct Reference {
   std::vector<Vec> u;
   double error = 0;  ///< relative, as that of a method
@@ -36,7 +37,8 @@ inline double relative_distance(const std::vector<Vec>& u, const std::vector<Vec
 inline Reference reference_of(const Scene& scene, const std::filesystem::path& folder) {
   Reference r;
   if (scene.closed_form) {
-    for (const Vec& X : scene.probes) r.u.push_back(scene.closed_form(X));
+    for (const double t : times_of(scene))
+      for (const Vec& X : scene.probes) r.u.push_back(scene.closed_form(X, t));
     r.error = 1e-9;  // the digits that it is written with
     r.recipe = "closed form";
     return r;

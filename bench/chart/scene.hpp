@@ -26,8 +26,8 @@ using Law = std::variant<softsim::StVenantKirchhoff, softsim::NeoHookean>;
 
 inline constexpr double is_free = std::numeric_limits<double>::quiet_NaN();
 
-/// A static question: a body at any resolution, what holds and loads it, and where its displacement is asked.
-/// A scene says nothing of elements: every method makes of it what it can. All SI.
+/// A question: a body at any resolution, what holds and loads it, and where its displacement is asked, in
+/// equilibrium or on its way. A scene says nothing of elements: every method makes of it what it can. All SI.
 struct Scene {
   std::string name;
   std::string title;  ///< one line for people
@@ -48,17 +48,30 @@ struct Scene {
   Vec gravity = Vec::Zero();  ///< m/s^2
   /// Dead traction per rest area on the boundary face with this middle, Pa; empty: none.
   std::function<Vec(const Vec&)> traction = nullptr;
-  int load_steps = 1;  ///< that a solve starts with
+  int load_steps = 1;  ///< that a static solve starts with
+
+  double duration = 0;  ///< s to be simulated from the rest shape; 0: equilibrium is asked for
+  std::function<Vec(const Vec&)> velocity = nullptr;  ///< that it starts with, m/s
+  std::vector<double> steps = {};                     ///< s, to be charted, descending
+  int times = 1;  ///< how often on the way the displacement is asked, the end included
 
   /// Where the displacement is asked: the error of a method is the root of the sum of squares of its
   /// distances from the reference there, over that of the reference.
   std::vector<Vec> probes = {};
-  /// The answer, where there is a closed form; else it is kept in data/NAME.csv.
-  std::function<Vec(const Vec&)> closed_form = nullptr;
+  /// The answer at a point and a time, where there is a closed form; else it is kept in data/NAME.csv.
+  std::function<Vec(const Vec&, double)> closed_form = nullptr;
   /// Finest mesh that it is worked out on, a multiple of four, and with what.
   int reference_resolution = 8;
   std::string reference_preconditioner = "multigrid";
 };
+
+/// The times at which the displacement of a scene is asked; 0 for an equilibrium.
+inline std::vector<double> times_of(const Scene& scene) {
+  if (scene.duration == 0) return {0};
+  std::vector<double> times;
+  for (int k = 1; k <= scene.times; ++k) times.push_back(scene.duration * k / scene.times);
+  return times;
+}
 
 /// n points from a to b, both included.
 inline std::vector<Vec> points_between(const Vec& a, const Vec& b, int n) {

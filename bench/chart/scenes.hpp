@@ -6,6 +6,7 @@
 
 #include "scenes/beams.hpp"
 #include "scenes/blocks.hpp"
+#include "scenes/vibrating_bar.hpp"
 
 namespace chart {
 
@@ -17,7 +18,8 @@ inline std::vector<Scene> scenes() {
           twisted_bar(),
           cooks_membrane("cook_30", 0.3),
           cooks_membrane("cook_49", 0.49),
-          cooks_membrane("cook_4999", 0.4999)};
+          cooks_membrane("cook_4999", 0.4999),
+          vibrating_bar()};
 }
 
 }  // namespace chart

@@ -34,4 +34,26 @@ struct Solver {
 /// All of them.
 std::vector<Solver> solvers();
 
+/// Moves a motion by one step.
+template <class T>
+using Advance = std::function<softsim::StepReport(const AnySystem<T>&, softsim::Motion<T>&)>;
+
+/// An integrator with what solves its equations; "-" where it has none.
+struct Integrator {
+  std::string name, solver, preconditioner;
+  std::function<Advance<double>(double dt)> in_double;
+  std::function<Advance<float>(double dt)> in_float;
+
+  template <class T>
+  [[nodiscard]] Advance<T> make(double dt) const {
+    if constexpr (std::is_same_v<T, double>)
+      return in_double(dt);
+    else
+      return in_float(dt);
+  }
+};
+
+/// All of them.
+std::vector<Integrator> integrators();
+
 }  // namespace chart

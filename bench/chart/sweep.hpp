@@ -1,0 +1,123 @@
+// SPDX-FileCopyrightText: 2026 The softsim authors
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "measure.hpp"
+
+namespace chart {
+
+/// All methods on a scene within a budget, coarse to fine: every model, in double precision with every solver
+/// (or integrator and step), and in single precision where double was no waste.
+///
+/// A method ends where another solver or step of its model is as good in a quarter of the time, since finer
+/// meshes do not change that, and where the next resolution would take more than its share of what is left of
+/// the budget.
+class Sweep {
+ public:
+  /// @param budget s of CPU time
+  /// @param levels how many of the scene's resolutions
+  Sweep(const Scene& scene, const Reference& reference, double budget, std::size_t levels)
+      : scene_(scene),
+        reference_(reference),
+        end_(cpu_seconds() + budget),
+        budget_(budget),
+        levels_(std::min(levels, scene.resolutions.size())) {}
+
+  /// @param on_point called with every point as it comes
+  void run(const Toolbox& tools, const std::function<void(const Point&)>& on_point) {
+    std::vector<Candidate> candidates;
+    for (const Model& m : tools.models)
+      for (const Method& method : tools.methods(scene_, m, false)) candidates.push_back({method});
+    for (std::size_t level = 0; level < levels_; ++level) {
+      std::size_t remaining = 0;
+      for (const Candidate& c : candidates) remaining += c.out ? 0 : 1;
+      // of the time that is left, an equal part for each level, half of it for the first runs
+      const double part = (end_ - cpu_seconds()) / static_cast<double>(levels_ - level);
+      const double share = part / 2 / static_cast<double>(std::max<std::size_t>(remaining, 1));
+      for (Candidate& c : candidates)
+        if (!c.out) advance(c, level, share, on_point);
+      drop_wasteful(candidates);
+      for (Candidate& c : candidates) {
+        if (c.out || c.point < 0) continue;
+        Method single = c.method;
+        single.single = true;
+        if (const Point* p = ask(single, scene_.resolutions[level], share)) on_point(*p);
+      }
+    }
+  }
+
+  [[nodiscard]] const std::vector<Point>& points() const { return points_; }
+  /// Models that do not fit the scene, and why.
+  [[nodiscard]] const std::map<std::string, std::string>& reasons() const { return reasons_; }
+  /// Methods that ended for want of time.
+  [[nodiscard]] int ended_early() const { return ended_early_; }
+
+ private:
+  struct Candidate {
+    Method method;
+    double last = 0;  // s that its last resolution took in all
+    bool out = false;
+    std::ptrdiff_t point = -1;  // its last
+  };
+
+  void advance(Candidate& c, std::size_t level, double share,
+               const std::function<void(const Point&)>& on_point) {
+    const int resolution = scene_.resolutions[level];
+    const double growth =
+        level == 0 ? 1 : std::pow(static_cast<double>(resolution) / scene_.resolutions[level - 1], 3.5);
+    c.point = -1;
+    if (cpu_seconds() > end_ || c.last * growth > std::max(10 * share, 0.02)) {
+      c.out = true;
+      ++ended_early_;
+      return;
+    }
+    const double before = cpu_seconds();
+    const Point* p = ask(c.method, resolution, share);
+    c.last = cpu_seconds() - before;
+    if (p == nullptr || c.last > budget_ / 3) c.out = true;
+    if (p == nullptr) return;
+    c.point = static_cast<std::ptrdiff_t>(points_.size()) - 1;
+    on_point(*p);
+  }
+  void drop_wasteful(std::vector<Candidate>& candidates) const {
+    const auto point = [&](const Candidate& c) -> const Point& {
+      return points_[static_cast<std::size_t>(c.point)];
+    };
+    for (Candidate& c : candidates)
+      for (const Candidate& other : candidates)
+        if (!c.out && c.point >= 0 && other.point >= 0 && c.method.model == other.method.model &&
+            point(other).error <= 1.05 * point(c).error && point(other).seconds < point(c).seconds / 4)
+          c.out = true;
+  }
+  // nullptr if the model does not fit
+  const Point* ask(const Method& m, int resolution, double patience) {
+    try {
+      points_.push_back(measure(scene_, reference_, m, resolution, patience));
+      return &points_.back();
+    } catch (const NotApplicable& why) {
+      reasons_[m.model->name] = why.what();
+    } catch (const std::invalid_argument& why) {
+      reasons_[m.model->name] = why.what();
+    }
+    return nullptr;
+  }
+
+  const Scene& scene_;
+  const Reference& reference_;
+  double end_, budget_;
+  std::size_t levels_;
+  std::vector<Point> points_;
+  std::map<std::string, std::string> reasons_;
+  int ended_early_ = 0;
+};
+
+}  // namespace chart
