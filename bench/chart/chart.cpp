@@ -89,7 +89,7 @@ void print_front(const Scene& scene, std::vector<Point> points, double reference
   std::printf("%s: the front (own error of the reference %.2g)\n", scene.name.c_str(), reference_error);
   double best = 1e300;
   for (const Point& p : points) {
-    if (p.error >= best) continue;
+    if (p.error > 0.98 * best) continue;  // no better but for rounding
     best = p.error;
     std::printf("  %10.3g s  error %9.3g  %s\n", p.seconds, p.error, described(p).c_str());
   }
