@@ -53,9 +53,8 @@ class SymmetricBlockMatrix {
                                                                                  i};
     // The product reads four scalars where a column of a block has three: one more at the very end.
     values_.assign(9 * column_.size() + 1, T(0));
-    twin_.assign(rows, false);
-    for (std::size_t i = 0; i + 1 < rows; ++i)
-      if (are_twins(i)) twin_[i++] = true;
+    twins_from_ = rows;
+    while (twins_from_ >= 2 && are_twins(twins_from_ - 2)) twins_from_ -= 2;
   }
 
   /// Number of block rows.
@@ -123,16 +122,17 @@ class SymmetricBlockMatrix {
   /// finds them in the cache; nothing is scattered, so that threads do not change a bit.
   void apply(const Vector<T>& x, Vector<T>& y) const {
     const auto count = static_cast<std::ptrdiff_t>(rows());
+    const auto twins_from = static_cast<std::ptrdiff_t>(twins_from_);
 #ifdef _OPENMP
 #pragma omp parallel for schedule(static) if (count > 1000)
 #endif
-    for (std::ptrdiff_t i = 0; i < count; ++i) {
-      const auto row = static_cast<std::size_t>(i);
-      if (twin_[row] != 0)
-        twin_product(row, x, y.data() + block_stride * i);
-      else if (i == 0 || twin_[row - 1] == 0)
-        row_product(row, x, y.data() + block_stride * i);
-    }
+    for (std::ptrdiff_t i = 0; i < twins_from; ++i)
+      row_product(static_cast<std::size_t>(i), x, y.data() + block_stride * i);
+#ifdef _OPENMP
+#pragma omp parallel for schedule(static) if (count > 1000)
+#endif
+    for (std::ptrdiff_t i = twins_from; i < count; i += 2)
+      twin_product(static_cast<std::size_t>(i), x, y.data() + block_stride * i);
   }
 
   /// Calls f(j, k, transposed) for every block (i, j) of row i: it is stored block k or the transpose of
@@ -173,7 +173,7 @@ class SymmetricBlockMatrix {
     std::int32_t block, column;
   };
 
-  // Whether rows i and i + 1 have each other and the same other blocks: the two of a frame, as a rule.
+  // Whether rows i and i + 1 have each other and the same other blocks, as the two of a frame do.
   [[nodiscard]] bool are_twins(std::size_t i) const {
     const auto upper = [&](std::size_t row) { return column_.begin() + row_start_[row]; };
     const auto lower = [&](std::size_t row) { return lower_.begin() + lower_start_[row]; };
@@ -228,7 +228,7 @@ class SymmetricBlockMatrix {
   std::vector<std::int32_t> row_start_, column_, lower_start_;
   std::vector<Transposed> lower_;
   std::vector<T> values_;
-  std::vector<std::uint8_t> twin_;  // 1 for the first of two
+  std::size_t twins_from_ = 0;  // rows from here on are twins, two and two: frames come last
   std::uint64_t pattern_ = 0;
 };
 
