@@ -91,7 +91,7 @@ Discrete<T> discrete(const Scene& scene, const Mesh& mesh, bench::AnyTerm<T> ela
     }
     return u;
   };
-  return {std::move(system), 3 * mesh.points().size(), at_probes};
+  return {std::move(system), at_probes};
 }
 
 }  // namespace chart

@@ -52,11 +52,11 @@ class Exploration {
   void run(const Toolbox& tools) {
     const auto later = [](const Try& a, const Try& b) { return a.expected > b.expected; };
     std::priority_queue<Try, std::vector<Try>, decltype(later)> queue(later);
-    const std::size_t steps = std::max<std::size_t>(scene_.steps.size(), 1);
+    const std::size_t steps = scene_.duration > 0 ? scene_.steps.size() : 1;  // of each integrator
     std::vector<std::vector<Method>> methods;  // of each model; those of one integrator follow each other
     for (const Model& m : tools.models) {
       methods.push_back(tools.methods(scene_, m, false));
-      for (std::size_t k = 0; k<methods.back().size(); k += scene_.duration> 0 ? steps : 1)
+      for (std::size_t k = 0; k < methods.back().size(); k += steps)
         queue.push({.model = methods.size() - 1, .method = k});
     }
     std::vector<std::pair<Method, int>> accurate;
@@ -68,7 +68,7 @@ class Exploration {
       const Point* p = ask(of_model[t.method], resolution);
       if (out_of_time_) break;
       if (p == nullptr) continue;
-      if (t.level == 0 && scene_.duration > 0 && (t.method + 1) % steps != 0)
+      if (t.level == 0 && (t.method + 1) % steps != 0)
         queue.push({.expected = 2 * p->seconds, .model = t.model, .method = t.method + 1});
       if (!std::isfinite(p->error)) continue;
       if (p->error <= wish_.tolerance) accurate.emplace_back(of_model[t.method], resolution);

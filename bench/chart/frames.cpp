@@ -87,10 +87,8 @@ Discrete<T> discrete(const Scene& scene, const Mesh& mesh, const Shapes& shapes,
       arms.push_back((half ? 0.5 : 1) * s.values[i] * (X - X0[static_cast<std::size_t>(s.nodes[i])]));
     return std::pair(s, arms);
   };
-  for_each_traction(scene, mesh, [&](std::int32_t node, const Vec& f) {
-    const auto [s, arms] = blend_at(mesh.points()[static_cast<std::size_t>(node)]);
-    for (std::size_t i = 0; i < s.nodes.size(); ++i) forces.add(s.nodes[i], s.values[i], arms[i], f);
-  });
+  // on the nodes, where all of these functions interpolate: a frame's own arm is zero there
+  for_each_traction(scene, mesh, [&](std::int32_t j, const Vec& f) { forces.add(j, 1, Vec::Zero(), f); });
   AnySystem<T> system(
       nodes,
       std::visit([&](const auto& law) -> bench::AnyTerm<T> { return elastic<T>(body, law); }, scene.law),
@@ -111,7 +109,7 @@ Discrete<T> discrete(const Scene& scene, const Mesh& mesh, const Shapes& shapes,
     }
     return u;
   };
-  return {std::move(system), 6 * nodes.frames().size(), at_probes};
+  return {std::move(system), at_probes};
 }
 
 Model on_hexahedra(const std::string& name, bool half) {

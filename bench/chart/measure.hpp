@@ -12,7 +12,6 @@
 #include <ostream>
 #include <sstream>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "model.hpp"
@@ -190,6 +189,7 @@ Point measure_in(const Scene& scene, const Reference& reference, const Method& m
   return p;
 }
 
+/// The same, in the precision that the method has.
 inline Point measure(const Scene& scene, const Reference& reference, const Method& m, int resolution,
                      double patience) {
   return m.single ? measure_in<float>(scene, reference, m, resolution, patience)
@@ -214,10 +214,5 @@ struct Toolbox {
     return all;
   }
 };
-
-/// Whether b is in no respect better than a.
-inline bool dominates(const Point& a, const Point& b) {
-  return a.error <= b.error && a.seconds <= b.seconds && (a.error < b.error || a.seconds < b.seconds);
-}
 
 }  // namespace chart

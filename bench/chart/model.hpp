@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <cstddef>
 #include <functional>
 #include <stdexcept>
 #include <string>
@@ -24,7 +23,6 @@ using AnySystem = softsim::System<bench::AnyTerm<T>, bench::AnyTerm<T>, bench::A
 template <class T>
 struct Discrete {
   AnySystem<T> system;
-  std::size_t unknowns;
   /// Displacements at the probes of the scene.
   std::function<std::vector<Vec>(const softsim::State<T>&)> at_probes;
 };
