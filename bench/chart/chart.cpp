@@ -1,12 +1,15 @@
 // SPDX-FileCopyrightText: 2026 The softsim authors
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 #include <exception>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -25,20 +28,30 @@ namespace fs = std::filesystem;
 constexpr const char* help =
     "usage: chart --list\n"
     "       chart SCENE|all [--budget SECONDS] [--resolutions N] [--out DIR] [--no-picture]\n"
+    "       chart SCENE --only METHOD\n"
     "       chart --reference SCENE|all\n"
+    "       all of them: [--mesh FILE] [--data DIR]\n"
     "Runs every method that fits on a scene, coarse to fine, within a budget of CPU time (default 60 s a "
     "scene), and\n"
-    "writes DIR/SCENE.csv and DIR/SCENE.png (default out/chart): error against time to solution. "
-    "--resolutions takes\n"
-    "the N coarsest only. --reference works the answer of a scene out again, on ten-node tetrahedra, and "
-    "writes it\n"
-    "where charts look for it (minutes).\n";
+    "writes DIR/SCENE.csv and DIR/SCENE.png (default out/chart): error against time to solution; for each "
+    "further\n"
+    "quantity that the scene asks for DIR/SCENE_QUANTITY.csv and .png, and the unknowns of each model into\n"
+    "DIR/SCENE_unknowns.csv. --resolutions takes the N coarsest only. --only measures one method, by the "
+    "first "
+    "columns\n"
+    "of its row. --reference works the answer of a scene out again, on ten-node tetrahedra, and writes it "
+    "where "
+    "charts\n"
+    "look for it, --data (minutes). --mesh takes another body for the scene 'organ'; its reference has to be "
+    "made "
+    "first.\n";
 
 struct Options {
   std::vector<std::string> scenes;
   double budget = 60;
   int resolutions = 1000;
-  fs::path out = fs::path("out") / "chart";
+  fs::path out = fs::path("out") / "chart", data = SOFTSIM_CHART_DATA;
+  std::string mesh = SOFTSIM_ORGAN, only;
   bool list = false, reference = false, picture = true, show_help = false;
 };
 
@@ -60,6 +73,12 @@ Options parse(int argc, char** argv) {
       o.resolutions = static_cast<int>(words.positive(word));
     else if (word == "--out")
       o.out = words.value_of(word);
+    else if (word == "--data")
+      o.data = words.value_of(word);
+    else if (word == "--mesh")
+      o.mesh = words.value_of(word);
+    else if (word == "--only")
+      o.only = words.value_of(word);
     else if (word.empty() || word[0] == '-')
       throw BadArguments("unknown option '" + word + "'");
     else
@@ -71,7 +90,11 @@ Options parse(int argc, char** argv) {
 
 void list(const Toolbox& tools) {
   std::printf("scenes\n");
-  for (const Scene& s : scenes()) std::printf("  %-20s %s\n", s.name.c_str(), s.title.c_str());
+  for (const Scene& s : scenes()) {
+    std::printf("  %-20s %s;", s.name.c_str(), s.title.c_str());
+    for (const Quantity& q : s.quantities) std::printf(" %s", q.name.c_str());
+    std::printf("\n");
+  }
   std::printf("models\n");
   for (const Model& m : tools.models) std::printf("  %-20s %s\n", m.name.c_str(), m.family.c_str());
   std::printf("solvers\n");
@@ -82,22 +105,95 @@ void list(const Toolbox& tools) {
   std::printf("scalars\n  double, float\n");
 }
 
-void print_front(const Scene& scene, std::vector<Point> points, double reference_error) {
-  std::erase_if(points, [](const Point& p) { return !std::isfinite(p.error); });
+void print_front(const Scene& scene, std::vector<Point> points, const Reference& reference, std::size_t k) {
+  std::erase_if(points, [&](const Point& p) { return p.trained || !std::isfinite(p.error(k)); });
   std::sort(points.begin(), points.end(),
             [](const Point& a, const Point& b) { return a.seconds < b.seconds; });
-  std::printf("%s: the front (own error of the reference %.2g)\n", scene.name.c_str(), reference_error);
+  std::printf("%s: the front of the %s (own error of the reference %.2g)\n", scene.name.c_str(),
+              scene.quantities[k].name.c_str(), reference.errors[k]);
   double best = 1e300;
   for (const Point& p : points) {
-    if (p.error > 0.98 * best) continue;  // no better but for rounding
-    best = p.error;
-    std::printf("  %10.3g s  error %9.3g  %s\n", p.seconds, p.error, described(p).c_str());
+    if (p.error(k) > 0.98 * best) continue;  // no better but for rounding
+    best = p.error(k);
+    std::printf("  %10.3g s  error %9.3g  %s\n", p.seconds, p.error(k), described(p).c_str());
   }
 }
 
-// Ten-node tetrahedra on three meshes, each with half the cells of the one before, and what their answers
-// tend to (Richardson); half of the last correction is taken for the error.
-void make_reference(const Scene& scene, const Toolbox& tools) {
+// SCENE for the first quantity, SCENE_QUANTITY for the others.
+std::string chart_name(const Scene& scene, std::size_t k) {
+  return k == 0 ? scene.name : scene.name + "_" + scene.quantities[k].name;
+}
+
+// Rows of one file, each written out as it comes.
+class Rows {
+ public:
+  Rows(const fs::path& path, const std::string& header) : path_(path), file_(path) {
+    file_.precision(6);
+    file_ << header << '\n';
+    check();
+  }
+  template <class F>
+  void add(F row) {
+    row(file_);
+    check();
+  }
+
+ private:
+  void check() {
+    if (!file_.flush()) throw std::runtime_error("cannot write '" + path_.string() + "'");
+  }
+  fs::path path_;
+  std::ofstream file_;
+};
+
+// Where and how charts were made: the processor, the compiler, its flags, today.
+std::string machine() {
+  std::ifstream file("/proc/cpuinfo");
+  std::string processor = "a processor unknown";
+  for (std::string line; std::getline(file, line);)
+    if (line.rfind("model name", 0) == 0) {
+      processor = line.substr(line.find(':') + 2);
+      break;
+    }
+  const std::time_t now = std::time(nullptr);
+  std::array<char, 32> date{};
+  std::strftime(date.data(), date.size(), "%Y-%m-%d", std::localtime(&now));
+#ifdef __clang__
+  const std::string compiler = "clang " __clang_version__;
+#else
+  const std::string compiler = "g++ " __VERSION__;
+#endif
+  return "One core of: " + processor + "; " + compiler + ", " SOFTSIM_CHART_FLAGS "; " + date.data() + ".";
+}
+
+void draw_chart(const Scene& scene, const Toolbox& tools, const Options& o) {
+  const Reference reference = reference_of(scene, o.data);
+  std::vector<Rows> charts;
+  for (std::size_t k = 0; k < scene.quantities.size(); ++k)
+    charts.emplace_back(o.out / (chart_name(scene, k) + ".csv"), Point::header);
+  Sweep sweep(scene, reference, o.budget, static_cast<std::size_t>(o.resolutions));
+  sweep.run(tools, [&](const Point& p) {
+    for (std::size_t k = 0; k < charts.size(); ++k)
+      charts[k].add([&](std::ostream& out) { p.write(out, k); });
+  });
+  std::map<std::pair<std::string, int>, std::size_t> unknowns;
+  for (const Point& p : sweep.points()) unknowns[{p.model, p.resolution}] = p.unknowns;
+  Rows of_unknowns(o.out / (scene.name + "_unknowns.csv"), "model,resolution,unknowns");
+  for (const auto& [mesh, count] : unknowns)
+    of_unknowns.add(
+        [&](std::ostream& out) { out << mesh.first << ',' << mesh.second << ',' << count << '\n'; });
+  for (const std::string& reason : sweep.reasons())
+    std::printf("%s: %s\n", scene.name.c_str(), reason.c_str());
+  if (sweep.ended_early() > 0)
+    std::printf("%s: %d methods ended before the finest resolution, for want of time\n", scene.name.c_str(),
+                sweep.ended_early());
+  for (std::size_t k = 0; k < charts.size(); ++k) print_front(scene, sweep.points(), reference, k);
+  std::printf("%s: %zu points in %s\n", scene.name.c_str(), sweep.points().size(),
+              (o.out / (scene.name + ".csv")).string().c_str());
+}
+
+// Ten-node tetrahedra on three meshes, each with twice the cells across of the one before.
+void make_reference(const Scene& scene, const Toolbox& tools, const Options& o) {
   if (scene.closed_form) {
     std::printf("%s: has a closed form\n", scene.name.c_str());
     return;
@@ -108,27 +204,50 @@ void make_reference(const Scene& scene, const Toolbox& tools) {
     return s.preconditioner == scene.reference_preconditioner;
   });
   const int finest = scene.reference_resolution;
-  std::vector<std::vector<Vec>> u;
-  for (const int resolution : {finest / 4, finest / 2, finest}) {
+  std::array<Answer, 3> answers;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const int resolution = finest >> (2 - k);
     const double start = cpu_seconds();
     Bench<double> bench(scene, {.model = &model, .solver = &solver}, resolution);
-    if (bench.run().status != softsim::Status::converged)
+    if (bench.run(&answers[k]).status != softsim::Status::converged)
       throw std::runtime_error("the reference of " + scene.name + " did not converge");
-    u.push_back(bench.answer());
     std::printf("%s: resolution %d in %.0f s\n", scene.name.c_str(), resolution, cpu_seconds() - start);
     std::fflush(stdout);
   }
-  const double before = relative_distance(u[0], u[1]), now = relative_distance(u[1], u[2]);
-  const double rate = std::clamp(std::log2(before / now), 0.5, 4.0), part = 1 / (std::exp2(rate) - 1);
-  Reference r;
-  for (std::size_t i = 0; i < u[2].size(); ++i) r.u.push_back(u[2][i] + part * (u[2][i] - u[1][i]));
-  r.error = relative_distance(u[2], r.u) / 2;
+  Reference r = extrapolated(scene, answers);
   r.recipe = "chart --reference " + scene.name + ": ten-node tetrahedra, extrapolated from resolutions " +
              std::to_string(finest / 4) + ", " + std::to_string(finest / 2) + ", " + std::to_string(finest) +
-             " at the rate " + softsim::to_text(std::round(100 * rate) / 100) +
-             "; error: half of the last correction";
-  write_reference(scene, r, SOFTSIM_CHART_DATA);
-  std::printf("%s: %s; error %.3g\n", scene.name.c_str(), r.recipe.c_str(), r.error);
+             "; errors: half of the last correction";
+  write_reference(scene, r, o.data);
+  std::printf("%s: %s\n", scene.name.c_str(), r.recipe.c_str());
+  for (std::size_t k = 0; k < r.errors.size(); ++k)
+    std::printf("%s: own error of the %s %.3g\n", scene.name.c_str(), scene.quantities[k].name.c_str(),
+                r.errors[k]);
+}
+
+// One method, as a row of a chart names it.
+int measure_one(const Scene& scene, const Toolbox& tools, const Options& o) {
+  const Method* found = nullptr;
+  int resolution = 0;
+  std::vector<Method> all;
+  for (const bool single : {false, true})
+    for (const Model& m : tools.models)
+      for (const Method& method : tools.methods(scene, m, single)) all.push_back(method);
+  for (const int r : scene.resolutions)
+    for (const Method& m : all)
+      if (unmeasured(scene, m, r).name() == o.only) {
+        found = &m;
+        resolution = r;
+      }
+  if (found == nullptr)
+    throw BadArguments("--only '" + o.only +
+                       "': no such method; a name is the first columns of a chart's row, like '" +
+                       unmeasured(scene, all.front(), scene.resolutions[0]).name() + "'");
+  const Point p = measure(scene, reference_of(scene, o.data), *found, resolution, 2);
+  std::printf("%s\n", Point::header);
+  std::fflush(stdout);
+  p.write(std::cout, 0);
+  return p.status == "converged" ? 0 : 1;
 }
 
 int run(const Options& o) {
@@ -141,36 +260,29 @@ int run(const Options& o) {
     list(tools);
     return 0;
   }
-  const std::vector<Scene> wanted = scenes_named(o.scenes);
+  const std::vector<Scene> wanted = scenes_named(o.scenes, o.mesh);
   if (o.reference) {
-    for (const Scene& scene : wanted) make_reference(scene, tools);
+    for (const Scene& scene : wanted) make_reference(scene, tools, o);
     return 0;
+  }
+  if (!o.only.empty()) {
+    if (wanted.size() != 1) throw BadArguments("--only needs one scene");
+    return measure_one(wanted.front(), tools, o);
   }
   std::error_code error;
   fs::create_directories(o.out, error);
+  Rows of_scenes(o.out / "scenes.csv", "scene;title");
   for (const Scene& scene : wanted) {
-    const fs::path path = o.out / (scene.name + ".csv");
-    std::ofstream csv(path);
-    csv.precision(6);
-    csv << Point::header << '\n';
-    if (!csv.flush()) throw std::runtime_error("cannot write '" + path.string() + "'");
-    const Reference reference = reference_of(scene, SOFTSIM_CHART_DATA);
-    Sweep sweep(scene, reference, o.budget, static_cast<std::size_t>(o.resolutions));
-    sweep.run(tools, [&](const Point& p) { csv << p << std::endl; });
-    const std::vector<Point>& points = sweep.points();
-    if (!csv.flush()) throw std::runtime_error("cannot write '" + path.string() + "'");
-    for (const auto& [model, why] : sweep.reasons())
-      std::printf("%s: no %s: %s\n", scene.name.c_str(), model.c_str(), why.c_str());
-    if (sweep.ended_early() > 0)
-      std::printf("%s: %d methods ended before the finest resolution, for want of time\n", scene.name.c_str(),
-                  sweep.ended_early());
-    print_front(scene, points, reference.error);
-    std::printf("%s: %zu points in %s\n", scene.name.c_str(), points.size(), path.string().c_str());
+    draw_chart(scene, tools, o);
+    of_scenes.add([&](std::ostream& out) { out << scene.name << ';' << scene.title << '\n'; });
   }
+  Rows(o.out / "machine.txt", machine());
   if (!o.picture) return 0;
   const std::string python = picture::drawing_python();
   std::vector<std::string> command{python, SOFTSIM_CHART_PLOT, o.out.string()};
-  for (const Scene& scene : wanted) command.push_back(scene.name + "=" + scene.title);
+  for (const Scene& scene : wanted)
+    for (std::size_t k = 0; k < scene.quantities.size(); ++k)
+      command.insert(command.end(), {chart_name(scene, k), scene.title, scene.quantities[k].title});
   if (python.empty() || !picture::runs(command))
     std::fprintf(stderr, "chart: no picture: %s\n",
                  python.empty() ? "no Python with matplotlib" : "it failed");

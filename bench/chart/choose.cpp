@@ -18,34 +18,38 @@ namespace {
 using namespace chart;
 
 constexpr const char* help =
-    "usage: choose SCENE --tolerance E --rate HZ [--budget SECONDS]\n"
+    "usage: choose SCENE --tolerance E --rate HZ [--quantity NAME] [--trained] [--budget SECONDS]\n"
+    "       [--mesh FILE] [--data DIR]\n"
     "Prints the method that solves a scene in the shortest time with a relative error of at most E, at least "
     "HZ times\n"
     "a second, the runners-up of other models, and what more accuracy costs. Explores for at most the budget "
     "(100 s).\n"
+    "--quantity: what the error is of, displacement by default; chart --list names those of each scene.\n"
+    "--trained: with bases that have seen the load before, by halves.\n"
     "Exit status: 0, 1 if no method is both accurate and fast enough, 2 for a wrong question.\n";
 
 void print(const Scene& scene, const Point& p) {
   std::printf("  %9.3g s%s   error %8.3g   set-up %8.3g s   %8.3g MB   %s\n", cost(scene, p),
-              scene.duration > 0 ? " a second" : "", p.error, p.setup_seconds,
+              scene.duration > 0 ? " a second" : "", p.error(), p.setup_seconds,
               static_cast<double>(p.memory) / 1e6, described(p).c_str());
 }
 
-int answer(const Scene& scene, const Wish& wish, double budget) {
-  const Reference reference = reference_of(scene, SOFTSIM_CHART_DATA);
-  if (wish.tolerance < reference.error) {
+int answer(const Scene& scene, const Wish& wish, double budget, const std::string& data, bool trained) {
+  const Reference reference = reference_of(scene, data);
+  if (wish.tolerance < reference.errors[0]) {
     std::fprintf(
         stderr,
         "choose: %s: a tolerance of %g is tighter than the reference's own error; the nearest that can be "
         "told is %.2g\n",
-        scene.name.c_str(), wish.tolerance, reference.error);
+        scene.name.c_str(), wish.tolerance, reference.errors[0]);
     return 2;
   }
-  const Toolbox tools;
+  Toolbox tools;
+  if (!trained) std::erase_if(tools.solvers, [](const Solver& s) { return s.trained; });
   Exploration exploration(scene, reference, wish, budget);
   exploration.run(tools);
   std::vector<Point> points = exploration.points();
-  std::erase_if(points, [](const Point& p) { return !std::isfinite(p.error); });
+  std::erase_if(points, [](const Point& p) { return !std::isfinite(p.error()); });
   const auto cost_of = [&](const Point& p) { return cost(scene, p); };
   std::sort(points.begin(), points.end(),
             [&](const Point& a, const Point& b) { return cost_of(a) < cost_of(b); });
@@ -54,11 +58,11 @@ int answer(const Scene& scene, const Wish& wish, double budget) {
   std::printf("%s: %zu measurements%s\n", scene.name.c_str(), exploration.points().size(),
               exploration.out_of_time() ? ", ended by the budget" : "");
   if (best == points.end()) {
-    const auto accurate =
-        std::find_if(points.begin(), points.end(), [&](const Point& p) { return p.error <= wish.tolerance; });
+    const auto accurate = std::find_if(points.begin(), points.end(),
+                                       [&](const Point& p) { return p.error() <= wish.tolerance; });
     const Point* closest = nullptr;
     for (const Point& p : points)
-      if (Wish{1e300, wish.rate}.met_by(scene, p) && (closest == nullptr || p.error < closest->error))
+      if (Wish{1e300, wish.rate}.met_by(scene, p) && (closest == nullptr || p.error() < closest->error()))
         closest = &p;
     std::fflush(stdout);
     std::fprintf(stderr, "choose: %s: no method reaches an error of %g at %g Hz", scene.name.c_str(),
@@ -68,33 +72,35 @@ int answer(const Scene& scene, const Wish& wish, double budget) {
                    cost_of(*accurate), scene.duration > 0 ? " a second" : "");
     if (closest != nullptr)
       std::fprintf(stderr, "; fast enough is %s with an error of %.2g", described(*closest).c_str(),
-                   closest->error);
+                   closest->error());
     std::fprintf(stderr, "\n");
     return 1;
   }
   std::printf("cheapest with an error of at most %g, at %g Hz:\n", wish.tolerance, wish.rate);
   print(scene, *best);
+  std::printf("  measured again by: chart %s --only %s\n", scene.name.c_str(), best->name().c_str());
   std::printf("runners-up of other models (as far as they take less than %g times as long):\n",
               Exploration::hopeless);
   std::set<std::string> shown{best->model};
   for (const Point& p : points)
-    if (p.error <= wish.tolerance && shown.insert(p.model).second && shown.size() <= 5) print(scene, p);
+    if (p.error() <= wish.tolerance && shown.insert(p.model).second && shown.size() <= 5) print(scene, p);
   if (shown.size() == 1) std::printf("  none\n");
   std::printf("less error costs:\n");
-  double error = best->error;
+  double error = best->error();
   for (const Point& p : points)
-    if (cost_of(p) >= cost_of(*best) && p.error < error / 1.5) {
-      error = p.error;
+    if (cost_of(p) >= cost_of(*best) && p.error() < error / 1.5) {
+      error = p.error();
       print(scene, p);
     }
-  if (error == best->error) std::printf("  nothing that was tried has less\n");
+  if (error == best->error()) std::printf("  nothing that was tried has less\n");
   return 0;
 }
 
 int run(int argc, char** argv) {
   std::vector<std::string> names;
   double budget = 100, tolerance = 0, rate = 0;
-  std::string word;
+  bool trained = false;
+  std::string word, quantity, mesh = SOFTSIM_ORGAN, data = SOFTSIM_CHART_DATA;
   for (Words words(argc, argv); words.next(word);) {
     if (word == "--help") {
       std::fputs(help, stdout);
@@ -106,6 +112,14 @@ int run(int argc, char** argv) {
       rate = words.positive(word);
     else if (word == "--budget")
       budget = words.positive(word);
+    else if (word == "--trained")
+      trained = true;
+    else if (word == "--quantity")
+      quantity = words.value_of(word);
+    else if (word == "--mesh")
+      mesh = words.value_of(word);
+    else if (word == "--data")
+      data = words.value_of(word);
     else if (word.empty() || word[0] == '-')
       throw BadArguments("unknown option '" + word + "'");
     else
@@ -113,9 +127,19 @@ int run(int argc, char** argv) {
   }
   if (names.size() != 1) throw BadArguments("name one scene; chart --list names them");
   if (tolerance == 0 || rate == 0) throw BadArguments("--tolerance and --rate are needed");
-  const std::vector<Scene> wanted = scenes_named(names);
+  std::vector<Scene> wanted = scenes_named(names, mesh);
   if (wanted.size() != 1) throw BadArguments("name one scene; chart --list names them");
-  return answer(wanted.front(), {tolerance, rate}, budget);
+  Scene& scene = wanted.front();
+  if (!quantity.empty()) {
+    auto& all = scene.quantities;
+    const auto asked =
+        std::find_if(all.begin(), all.end(), [&](const Quantity& q) { return q.name == quantity; });
+    if (asked == all.end())
+      throw BadArguments("--quantity '" + quantity + "': " + scene.name +
+                         " does not ask for it; chart --list names what it asks for");
+    std::rotate(all.begin(), asked, asked + 1);
+  }
+  return answer(scene, {tolerance, rate}, budget, data, trained);
 }
 
 }  // namespace

@@ -49,8 +49,9 @@ class Words {
 };
 
 /// The scenes of these names, or all.
-inline std::vector<Scene> scenes_named(const std::vector<std::string>& names) {
-  const std::vector<Scene> all = scenes();
+inline std::vector<Scene> scenes_named(const std::vector<std::string>& names,
+                                       const std::string& organ_mesh = SOFTSIM_ORGAN) {
+  const std::vector<Scene> all = scenes(organ_mesh);
   std::vector<Scene> result;
   for (const std::string& name : names) {
     const std::size_t before = result.size();

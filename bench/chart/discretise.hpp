@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -78,7 +79,7 @@ Discrete<T> discrete(const Scene& scene, const Mesh& mesh, bench::AnyTerm<T> ela
                      bench::AnyTerm<T> more = {}) {
   AnySystem<T> system(mesh, std::move(elastic), std::move(more), nodal_loads<T>(scene, mesh));
   hold_points(system, scene);
-  if (scene.duration > 0) system.mass = softsim::Mass<T>::lumped(mesh, scene.density);
+  system.mass = softsim::Mass<T>::lumped(mesh, scene.density);
   std::vector<softsim::ShapeValues> shapes;
   const softsim::MeshShapes<Mesh> of_mesh(mesh);
   for (const Vec& X : scene.probes) shapes.push_back(of_mesh.at(X));
@@ -91,7 +92,10 @@ Discrete<T> discrete(const Scene& scene, const Mesh& mesh, bench::AnyTerm<T> ela
     }
     return u;
   };
-  return {std::move(system), at_probes};
+  const auto warped = [mesh, held = system.prescribed](const Eigen::MatrixXd& modes) {
+    return std::make_shared<softsim::WarpedModes>(mesh, held, modes);
+  };
+  return {std::move(system), at_probes, warped};
 }
 
 }  // namespace chart

@@ -27,7 +27,7 @@ struct Wish {
   double rate;       ///< Hz: solves per second, or frames per second of a simulation in real time
   /// A simulation has to keep up with the clock, and to make a step a frame at least.
   [[nodiscard]] bool met_by(const Scene& scene, const Point& p) const {
-    if (!(p.error <= tolerance)) return false;
+    if (!(p.error() <= tolerance)) return false;
     return scene.duration > 0 ? p.seconds_per_simulated_second <= 1 && p.step * rate <= 1 + 1e-9
                               : p.seconds * rate <= 1;
   }
@@ -70,12 +70,13 @@ class Exploration {
       if (p == nullptr) continue;
       if (t.level == 0 && (t.method + 1) % steps != 0)
         queue.push({.expected = 2 * p->seconds, .model = t.model, .method = t.method + 1});
-      if (!std::isfinite(p->error)) continue;
-      if (p->error <= wish_.tolerance) accurate.emplace_back(of_model[t.method], resolution);
-      if (p->error > wish_.tolerance && p->error < 0.9 * t.error && t.level + 1 < scene_.resolutions.size()) {
+      if (!std::isfinite(p->error())) continue;
+      if (p->error() <= wish_.tolerance) accurate.emplace_back(of_model[t.method], resolution);
+      if (p->error() > wish_.tolerance && p->error() < 0.9 * t.error &&
+          t.level + 1 < scene_.resolutions.size()) {
         const double finer = static_cast<double>(scene_.resolutions[t.level + 1]) / resolution;
         queue.push({.expected = p->seconds * std::pow(finer, 3),
-                    .error = p->error,
+                    .error = p->error(),
                     .model = t.model,
                     .method = t.method,
                     .level = t.level + 1});
@@ -116,7 +117,7 @@ class Exploration {
   [[nodiscard]] double limit() const {
     double best = std::numeric_limits<double>::infinity();
     for (const Point& p : points_)
-      if (p.error <= wish_.tolerance) best = std::min(best, p.seconds);
+      if (p.error() <= wish_.tolerance) best = std::min(best, p.seconds);
     return std::isfinite(best)   ? best
            : scene_.duration > 0 ? scene_.duration
                                  : std::max(1 / wish_.rate, 0.05);

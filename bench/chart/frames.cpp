@@ -6,6 +6,7 @@
 
 #include "discretise.hpp"
 #include "softsim/kinematics/frame_body.hpp"
+#include "softsim/kinematics/interpolating_moving_least_squares.hpp"
 #include "softsim/kinematics/linked_shapes.hpp"
 #include "softsim/kinematics/shepard.hpp"
 #include "softsim/mesh/frame_nodes.hpp"
@@ -94,7 +95,7 @@ Discrete<T> discrete(const Scene& scene, const Mesh& mesh, const Shapes& shapes,
       std::visit([&](const auto& law) -> bench::AnyTerm<T> { return elastic<T>(body, law); }, scene.law),
       bench::AnyTerm<T>(rotation_tie<T>(body, 1e-3 * scene.young)), forces.template term<T>());
   hold_frames(system, scene, nodes);
-  if (scene.duration > 0) system.mass = Mass<T>::lumped(body, scene.density);
+  system.mass = Mass<T>::lumped(body, scene.density);
   std::vector<std::pair<ShapeValues, std::vector<Vec>>> blends;
   for (const Vec& X : scene.probes) blends.push_back(blend_at(X));
   const auto at_probes = [blends](const State<T>& q) {
@@ -127,6 +128,17 @@ Model on_tetrahedra(const std::string& name, bool half) {
   });
 }
 
+// Functions of scattered nodes that interpolate, since the supports of scenes are those of nodes.
+template <class F>
+Model without_mesh(const std::string& name, F shapes) {
+  return Model(name, "frames", [shapes]<class T>(std::type_identity<T>, const Scene& s, int resolution) {
+    const TetrahedralMesh mesh = s.tetrahedra(resolution);
+    if (mesh.points().size() < 8) throw NotApplicable("needs eight nodes");
+    const FrameNodes nodes(mesh.points());
+    return discrete<T, 8>(s, mesh, shapes(nodes.frames()), false, gauss_samples(mesh));
+  });
+}
+
 }  // namespace
 
 std::vector<Model> frames() {
@@ -135,14 +147,11 @@ std::vector<Model> frames() {
       on_hexahedra("frames_hex8_linked", true),
       on_tetrahedra("frames_tet4", false),
       on_tetrahedra("frames_tet4_linked", true),
-      // without a mesh but for its nodes: the nearest four, Gauss points of the tetrahedra
-      Model("frames_shepard", "frames",
-            []<class T>(std::type_identity<T>, const Scene& s, int resolution) {
-              const TetrahedralMesh mesh = s.tetrahedra(resolution);
-              const FrameNodes nodes(mesh.points());
-              return discrete<T, 4>(s, mesh, Shepard<>(nodes.frames(), {.nearest = 4}), false,
-                                    gauss_samples(mesh));
-            }),
+      // without a mesh but for its nodes and samples: the nearest eight
+      without_mesh("frames_shepard", [](const auto& nodes) { return Shepard<>(nodes, {.nearest = 8}); }),
+      without_mesh(
+          "frames_least_squares",
+          [](const auto& nodes) { return InterpolatingMovingLeastSquares<>(nodes, {.nearest = 8}); }),
   };
 }
 

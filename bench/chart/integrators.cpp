@@ -70,6 +70,7 @@ std::vector<Integrator> integrators() {
          return advance_with<float, VelocityVerlet<AnySystem<float>>>(VelocityVerletOptions{.dt = dt});
        }});
   add(all, "backward_euler", Theta());
+  add(all, "bdf2", Bdf2());
   add(all, "implicit_midpoint", Midpoint());
   add(all, "implicit_midpoint_frozen", Midpoint(), true);
   add(all, "generalised_alpha_0.8", GeneralisedAlphaScheme(0.8));

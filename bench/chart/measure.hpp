@@ -35,28 +35,40 @@ struct Point {
   double step = std::numeric_limits<double>::quiet_NaN();  ///< s; a static solve has none
   int resolution = 0;
   std::string scalar, status = "";
-  double error = std::numeric_limits<double>::quiet_NaN();  ///< relative, see `Scene::probes`
+  std::vector<double> errors = {};  ///< of the scene's quantities
   double seconds =
       std::numeric_limits<double>::quiet_NaN();  ///< to the solution, once everything is in place
   double seconds_per_simulated_second = std::numeric_limits<double>::quiet_NaN();
   std::size_t memory = 0;    ///< bytes in use for mesh, system and solver after the solve
   double setup_seconds = 0;  ///< mesh, system, patterns, symbolic factorisation: what is done once a scene
+  std::size_t unknowns = 0;
+  bool trained = false;  ///< see `Solver`
+
+  /// Of the k-th of the scene's quantities; not a number where the method failed or does not tell.
+  [[nodiscard]] double error(std::size_t k = 0) const { return k < errors.size() ? errors[k] : not_told; }
 
   static constexpr const char* header =
       "model,integrator,solver,preconditioner,step,resolution,scalar,status,error,seconds,"
       "seconds_per_simulated_second,memory,setup_seconds";
-  friend std::ostream& operator<<(std::ostream& out, const Point& p) {
+  /// What tells its method and mesh from all others: the first columns of its row.
+  [[nodiscard]] std::string name() const {
+    std::ostringstream out;
+    out << model << ',' << integrator << ',' << solver << ',' << preconditioner << ',';
+    if (std::isfinite(step)) out << step;
+    out << ',' << resolution << ',' << scalar;
+    return out.str();
+  }
+  /// A row of the chart of the k-th quantity.
+  void write(std::ostream& out, std::size_t k) const {
     const auto number = [&out](double x) {
       if (std::isfinite(x)) out << x;
       out << ',';
     };
-    out << p.model << ',' << p.integrator << ',' << p.solver << ',' << p.preconditioner << ',';
-    number(p.step);
-    out << p.resolution << ',' << p.scalar << ',' << p.status << ',';
-    number(p.error);
-    number(p.seconds);
-    number(p.seconds_per_simulated_second);
-    return out << p.memory << ',' << p.setup_seconds;
+    out << name() << ',' << status << ',';
+    number(error(k));
+    number(seconds);
+    number(seconds_per_simulated_second);
+    out << memory << ',' << setup_seconds << '\n';
   }
 };
 
@@ -97,37 +109,67 @@ class Bench {
   }
 
   /// Solves from rest, or simulates the whole duration.
-  softsim::StepReport run() {
-    answer_.clear();
-    if (scene_.duration > 0) return simulate();
+  /// @param answer if it is wanted
+  softsim::StepReport run(Answer* answer = nullptr) {
+    if (answer != nullptr) *answer = {};
+    if (scene_.duration > 0) return simulate(answer);
     softsim::State<T> q = discrete_.system.rest_state();
-    const softsim::StepReport report = solve_(discrete_.system, q);
-    answer_ = discrete_.at_probes(q);
+    const softsim::StepReport report = solve_(discrete_, q);
+    if (answer != nullptr) *answer = {discrete_.at_probes(q), {discrete_.system.energy(q)}, force(q)};
     return report;
   }
-  /// Displacements at the probes, time after time, of the last run.
-  [[nodiscard]] const std::vector<Vec>& answer() const { return answer_; }
+  /// s that it took in the last run to tell where a motion is.
+  [[nodiscard]] double telling() const { return telling_; }
+  /// Components that are free to move.
+  [[nodiscard]] std::size_t unknowns() const {
+    return static_cast<std::size_t>((discrete_.system.prescribed.free().array() != T(0)).count());
+  }
 
  private:
-  softsim::StepReport simulate() {
+  softsim::StepReport simulate(Answer* answer) {
     const auto& system = discrete_.system;
     softsim::Motion<T> motion = system.rest_motion();
     const auto blocks = static_cast<std::ptrdiff_t>(system.rest().size());
-    const auto points = static_cast<std::ptrdiff_t>(system.points());
     for (std::ptrdiff_t b = 0; b < blocks && scene_.velocity; ++b)
-      if (b < points || (b - points) % 2 == 0)
+      if (moves_a_place(b))
         softsim::block(motion.v, b) =
             scene_.velocity(system.rest()[static_cast<std::size_t>(b)]).template cast<T>();
     system.prescribed.mask(motion.v);
+    const auto tell = [&](bool at_probes) {
+      const double begin = cpu_seconds();
+      if (at_probes) {
+        const std::vector<Vec> u = discrete_.at_probes(motion.q);
+        answer->u.insert(answer->u.end(), u.begin(), u.end());
+      }
+      answer->energy.push_back(system.energy(motion.q) + system.kinetic_energy(motion.q, motion.v));
+      telling_ += cpu_seconds() - begin;
+    };
+    telling_ = 0;
+    if (answer != nullptr) tell(false);
     softsim::StepReport report;
     for (int k = 1; k <= steps_; ++k) {
       report = advance_(system, motion);
       if (report.status != softsim::Status::converged) return report;
-      if (k % (steps_ / scene_.times) != 0) continue;
-      const std::vector<Vec> u = discrete_.at_probes(motion.q);
-      answer_.insert(answer_.end(), u.begin(), u.end());
+      if (answer != nullptr && k % (steps_ / scene_.times) == 0) tell(true);
     }
     return report;
+  }
+  // The first of a frame's two blocks is where it is.
+  [[nodiscard]] bool moves_a_place(std::ptrdiff_t b) const {
+    const auto points = static_cast<std::ptrdiff_t>(discrete_.system.points());
+    return b < points || (b - points) % 2 == 0;
+  }
+  // What holds the nodes in the grip of the scene.
+  [[nodiscard]] Vec force(const softsim::State<T>& q) const {
+    if (!scene_.grip) return Vec::Constant(not_told);
+    const auto& system = discrete_.system;
+    softsim::Vector<T> g = softsim::Vector<T>::Zero(system.size());
+    system.add_gradient(q, g);
+    Vec sum = Vec::Zero();
+    for (std::size_t b = 0; b < system.rest().size(); ++b)
+      if (const auto i = static_cast<std::ptrdiff_t>(b); moves_a_place(i) && scene_.grip(system.rest()[b]))
+        sum += softsim::block(g, i).template cast<double>();
+    return sum;
   }
 
   const Scene& scene_;
@@ -135,8 +177,21 @@ class Bench {
   Solve<T> solve_;
   Advance<T> advance_;
   int steps_ = 0;
-  std::vector<Vec> answer_;
+  double telling_ = 0;
 };
+
+/// A point of which only the name is known.
+inline Point unmeasured(const Scene& scene, const Method& m, int resolution) {
+  const bool moves = scene.duration > 0;
+  return {.model = m.model->name,
+          .integrator = moves ? m.integrator->name : "static",
+          .solver = moves ? m.integrator->solver : m.solver->name,
+          .preconditioner = moves ? m.integrator->preconditioner : m.solver->preconditioner,
+          .step = m.step,
+          .resolution = resolution,
+          .scalar = m.single ? "float" : "double",
+          .trained = !moves && m.solver->trained};
+}
 
 /// Runs a method on a scene. The first run, which also makes patterns and orders, counts to the set-up as far
 /// as it takes longer than the median of the others.
@@ -146,13 +201,7 @@ template <class T>
 Point measure_in(const Scene& scene, const Reference& reference, const Method& m, int resolution,
                  double patience) {
   const bool moves = scene.duration > 0;
-  Point p{.model = m.model->name,
-          .integrator = moves ? m.integrator->name : "static",
-          .solver = moves ? m.integrator->solver : m.solver->name,
-          .preconditioner = moves ? m.integrator->preconditioner : m.solver->preconditioner,
-          .step = m.step,
-          .resolution = resolution,
-          .scalar = std::is_same_v<T, double> ? "double" : "float"};
+  Point p = unmeasured(scene, m, resolution);
   const auto took = [&](double seconds) {
     p.seconds = seconds;
     if (moves) p.seconds_per_simulated_second = seconds / scene.duration;
@@ -165,15 +214,17 @@ Point measure_in(const Scene& scene, const Reference& reference, const Method& m
   const double start = cpu_seconds();
   Bench<T> bench(scene, m, resolution);
   const double built = cpu_seconds();
-  const softsim::StepReport report = bench.run();
-  const double first = cpu_seconds() - built;
+  Answer answer;
+  const softsim::StepReport report = bench.run(&answer);
+  const double first = cpu_seconds() - built - bench.telling();
   p.memory = in_use() - before;
   p.status = to_string(report.status);
   p.setup_seconds = built - start;
+  p.unknowns = bench.unknowns();
   took(first);
   if (report.status != softsim::Status::converged) return p;
-  p.error = relative_distance(bench.answer(), reference.u);
-  if (!std::isfinite(p.error)) p.status = "not_finite";
+  for (const Quantity& q : scene.quantities) p.errors.push_back(q.error(scene, answer, reference.answer));
+  if (!std::isfinite(p.error())) p.status = "not_finite";
   std::vector<double> times;
   for (double spent = 0;
        times.size() < 9 && (spent + first < patience || (times.empty() && first < patience));) {
@@ -199,8 +250,8 @@ inline Point measure(const Scene& scene, const Reference& reference, const Metho
 /// All that scenes may be asked with.
 struct Toolbox {
   std::vector<Model> models = chart::models();
-  std::vector<Solver> solvers = chart::solvers();
-  std::vector<Integrator> integrators = chart::integrators();
+  std::vector<Solver> solvers = both(chart::solvers(), chart::reductions());
+  std::vector<Integrator> integrators = both(chart::integrators(), chart::modal_integrators());
 
   /// The methods for a scene with one model: its kind of solver, its steps.
   [[nodiscard]] std::vector<Method> methods(const Scene& scene, const Model& model, bool single) const {
@@ -211,6 +262,13 @@ struct Toolbox {
       for (const Integrator& i : integrators)
         for (const double dt : scene.steps)
           all.push_back({.model = &model, .integrator = &i, .step = dt, .single = single});
+    return all;
+  }
+
+ private:
+  template <class All>
+  static All both(All all, const All& more) {
+    all.insert(all.end(), more.begin(), more.end());
     return all;
   }
 };

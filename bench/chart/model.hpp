@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -11,6 +12,7 @@
 
 #include "../any_term.hpp"
 #include "scene.hpp"
+#include "softsim/reduction/warped_modes.hpp"
 #include "softsim/system/system.hpp"
 
 namespace chart {
@@ -25,11 +27,16 @@ struct Discrete {
   AnySystem<T> system;
   /// Displacements at the probes of the scene.
   std::function<std::vector<Vec>(const softsim::State<T>&)> at_probes;
+  /// Makes modal coordinates large displacements, with shapes at rest; empty where the model has no mesh.
+  std::function<std::shared_ptr<softsim::WarpedModes>(const Eigen::MatrixXd& shapes)> warped = nullptr;
 };
 
-/// Why a model cannot make anything of a scene.
+/// Why a method cannot make anything of a scene.
 struct NotApplicable : std::runtime_error {
-  using std::runtime_error::runtime_error;
+  /// @param part what does not fit, if it is not the model
+  explicit NotApplicable(const std::string& why, std::string part = "")
+      : std::runtime_error(why), of(std::move(part)) {}
+  std::string of;
 };
 
 /// A way to make a scene discrete, in double and in single precision.

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: 2026 The softsim authors
 # SPDX-License-Identifier: MIT
-"""Draws FOLDER/SCENE.png of each FOLDER/SCENE.csv that chart wrote: error against time to solution, or against time per
+"""Draws FOLDER/CHART.png of each FOLDER/CHART.csv that chart wrote: error against time to solution, or against time per
 simulated second.
 
-usage: plot_chart.py FOLDER SCENE[=TITLE]...
+usage: plot_chart.py FOLDER (CHART TITLE ERROR)...
 """
 import csv
 import pathlib
@@ -15,17 +15,29 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
-# Okabe & Ito's colours, by what a model's name begins with; the first that fits.
-FAMILIES = [("springs", "springs", "#999999", "x"), ("mass_tensor", "mass tensors", "#F0E442", "P"),
-            ("heml", "HEML", "#E69F00", "D"), ("tet4_corotational", "corotational", "#56B4E9", "v"),
-            ("hex8_corotational", "corotational", "#56B4E9", "v"), ("tet4_nodal_volume", "averaged volumes", "#CC79A7", "h"),
-            ("tet4_linear", "small strain", "#000000", "+"), ("tet4", "tetrahedra", "#0072B2", "o"),
-            ("tet10", "ten-node tetrahedra", "#D55E00", "^"), ("hex8", "hexahedra", "#009E73", "s"),
-            ("frames", "frames", "#8B1A1A", "*"), ("", "others", "#666666", ".")]
+# Okabe & Ito's colours, by what the name of a solver (of those that reduce a model) or of a model begins with; the first
+# that fits.
+REDUCED = [("modes", "modes", "#666666", "1"), ("warped_modes", "warped modes", "#666666", "2"), ("pod", "POD", "#666666", "p")]
+PEERS = [("calculix", "CalculiX", "#000000", "$C$"), ("getfem", "GetFEM", "#000000", "$G$"), ("bullet", "Bullet", "#000000", "$B$")]
+FAMILIES = PEERS + [("springs", "springs", "#999999", "x"), ("mass_tensor", "mass tensors", "#F0E442", "P"),
+                    ("heml", "HEML", "#E69F00", "D"), ("tet4_corotational", "corotational", "#56B4E9", "v"),
+                    ("hex8_corotational", "corotational", "#56B4E9", "v"),
+                    ("tet4_nodal_volume", "averaged volumes", "#CC79A7", "h"), ("tet4_linear", "small strain", "#000000", "+"),
+                    ("tet4", "tetrahedra", "#0072B2", "o"), ("tet10", "ten-node tetrahedra", "#D55E00", "^"),
+                    ("hex8", "hexahedra", "#009E73", "s"), ("frames", "frames", "#8B1A1A", "*"), ("", "others", "#666666", ".")]
 
 
-def family(model):
-    return next(f for f in FAMILIES if model.startswith(f[0]))
+def family(row):
+    for f in REDUCED:
+        if row["solver"].startswith(f[0]) or row["integrator"].startswith("modal"):
+            return f
+    return next(f for f in FAMILIES if row["model"].startswith(f[0]))
+
+
+def name(row, moves):
+    """What is written beside a point."""
+    reduced = row["solver"] if any(row["solver"].startswith(f[0]) for f in REDUCED) else ""
+    return row["integrator"] if moves else row["model"] + (", " + reduced if reduced else "")
 
 
 def front(rows):
@@ -38,7 +50,7 @@ def front(rows):
     return result
 
 
-def draw(folder, scene, title):
+def draw(folder, scene, title, error):
     with open(folder / f"{scene}.csv", newline="") as file:
         rows = list(csv.DictReader(file))
     moves = any(r["seconds_per_simulated_second"] for r in rows)
@@ -55,7 +67,7 @@ def draw(folder, scene, title):
     figure, axes = plt.subplots(figsize=(9, 5.6), layout="constrained")
     labels = {}
     for r in good:
-        _, label, colour, marker = family(r["model"])
+        _, label, colour, marker = family(r)
         on_front = r in best
         mark = axes.scatter(r["seconds"], max(r["error"], 1e-10), s=44 if on_front else 18, marker=marker, color=colour,
                             alpha=1 if on_front else 0.3, linewidths=1, zorder=3 if on_front else 2,
@@ -65,10 +77,10 @@ def draw(folder, scene, title):
     axes.step([r["seconds"] for r in best], [max(r["error"], 1e-10) for r in best], where="post", color="0.35", lw=0.9,
               zorder=1)
     axes.set(xscale="log", yscale="log", xlabel="time per simulated second, one core (s)" if moves else "time to solution, one core (s)",
-             ylabel="relative error of the displacement")
+             ylabel=error)
     top = max(1.0, max(r["error"] for r in good)) * 3
     for r in failed:
-        _, label, colour, marker = family(r["model"])
+        _, label, colour, marker = family(r)
         axes.scatter(r["seconds"], top, marker=marker, color=colour, alpha=0.5, s=18, clip_on=False)
     if failed:
         axes.annotate(f"failed: {len(failed)}", (0.99, top), xycoords=("axes fraction", "data"), ha="right", va="bottom",
@@ -80,10 +92,10 @@ def draw(folder, scene, title):
                       va="bottom", color="0.4")
     shown = {}
     for r in best:  # the name of every model (and integrator) where it is first on the front
-        name = r["integrator"] if moves else r["model"]
-        if name not in shown:
-            shown[name] = True
-            axes.annotate(name, (r["seconds"], max(r["error"], 1e-10)), textcoords="offset points", xytext=(5, 4),
+        words = name(r, moves)
+        if words not in shown:
+            shown[words] = True
+            axes.annotate(words, (r["seconds"], max(r["error"], 1e-10)), textcoords="offset points", xytext=(5, 4),
                           fontsize=7.5)
     axes.legend(labels.values(), labels.keys(), fontsize=8, loc="upper left", bbox_to_anchor=(1.005, 1), frameon=False)
     axes.grid(alpha=0.25)
@@ -94,8 +106,8 @@ def draw(folder, scene, title):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) < 3:
+    words = sys.argv[2:]
+    if not words or len(words) % 3:
         sys.exit(__doc__)
-    for word in sys.argv[2:]:
-        name, _, text = word.partition("=")
-        draw(pathlib.Path(sys.argv[1]), name, text or name)
+    for k in range(0, len(words), 3):
+        draw(pathlib.Path(sys.argv[1]), *words[k:k + 3])

@@ -24,7 +24,31 @@ using Vec = softsim::Vec3<double>;
 /// The law that a scene takes for the truth.
 using Law = std::variant<softsim::StVenantKirchhoff, softsim::NeoHookean>;
 
-inline constexpr double is_free = std::numeric_limits<double>::quiet_NaN();
+inline constexpr double not_told = std::numeric_limits<double>::quiet_NaN();
+inline constexpr double is_free = not_told;
+
+struct Scene;
+
+/// What a method makes of a scene.
+struct Answer {
+  std::vector<Vec> u;  ///< displacements at the probes, time after time, m
+  /// J: the potential energy of an equilibrium, that of the loads included; of a motion all of its energy, at
+  /// the start and at each time. Empty where a method does not tell it.
+  std::vector<double> energy = {};
+  Vec force = Vec::Constant(not_told);  ///< on the nodes in `Scene::grip`, in equilibrium, N
+};
+
+/// Something that may be asked of an answer, and how far off it is.
+struct Quantity {
+  std::string name;   ///< of the chart's file
+  std::string title;  ///< "relative error of ..."
+  /// Not a number where the answer does not tell.
+  std::function<double(const Scene&, const Answer&, const Answer& reference)> error;
+};
+
+/// The root of the sum of squares of the distances from the reference at the probes, over that of the
+/// reference. More quantities are in quantities.hpp, and a scene can make its own.
+inline Quantity displacement();
 
 /// A question: a body at any resolution, what holds and loads it, and where its displacement is asked, in
 /// equilibrium or on its way. A scene says nothing of elements: every method makes of it what it can. All SI.
@@ -55,11 +79,15 @@ struct Scene {
   std::vector<double> steps = {};                     ///< s, to be charted, descending
   int times = 1;  ///< how often on the way the displacement is asked, the end included
 
-  /// Where the displacement is asked: the error of a method is the root of the sum of squares of its
-  /// distances from the reference there, over that of the reference.
-  std::vector<Vec> probes = {};
-  /// The answer at a point and a time, where there is a closed form; else it is kept in data/NAME.csv.
+  std::vector<Vec> probes = {};  ///< where the displacement is asked
+  /// Where the force is asked that moves a prescribed node.
+  std::function<bool(const Vec&)> grip = nullptr;
+  /// What counts as error, a chart each; the first steers how a chart spends its time.
+  std::vector<Quantity> quantities = {displacement()};
+  /// The displacement at a point and a time, where there is a closed form; else it is kept in data/NAME.csv.
   std::function<Vec(const Vec&, double)> closed_form = nullptr;
+  double closed_energy = not_told;             ///< J, beside `closed_form`, if it is asked for
+  Vec closed_force = Vec::Constant(not_told);  ///< N, likewise
   /// Finest mesh that it is worked out on, a multiple of four, and with what.
   int reference_resolution = 8;
   std::string reference_preconditioner = "multigrid";
@@ -71,6 +99,21 @@ inline std::vector<double> times_of(const Scene& scene) {
   std::vector<double> times;
   for (int k = 1; k <= scene.times; ++k) times.push_back(scene.duration * k / scene.times);
   return times;
+}
+
+/// sqrt(sum |u - v|^2 / sum |v|^2).
+inline double relative_distance(const std::vector<Vec>& u, const std::vector<Vec>& v) {
+  double difference = 0, size = 0;
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    difference += (u[i] - v[i]).squaredNorm();
+    size += v[i].squaredNorm();
+  }
+  return std::sqrt(difference / size);
+}
+
+Quantity displacement() {
+  return {"displacement", "relative error of the displacement",
+          [](const Scene&, const Answer& a, const Answer& b) { return relative_distance(a.u, b.u); }};
 }
 
 /// n points from a to b, both included.

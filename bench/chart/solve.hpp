@@ -13,7 +13,7 @@ namespace chart {
 
 /// Moves a state to equilibrium, from wherever it is.
 template <class T>
-using Solve = std::function<softsim::StepReport(const AnySystem<T>&, softsim::State<T>&)>;
+using Solve = std::function<softsim::StepReport(const Discrete<T>&, softsim::State<T>&)>;
 
 /// A linear solver with its preconditioner, under Newton's method.
 struct Solver {
@@ -21,6 +21,9 @@ struct Solver {
   /// A solver for one system, which keeps what it has worked out for it.
   std::function<Solve<double>(int load_steps)> in_double;
   std::function<Solve<float>(int load_steps)> in_float;
+  bool reduced = false;  ///< few unknowns: the answer is not that of the model
+  /// It has seen the load before, so it is told apart from those that any load may be put to.
+  bool trained = false;
 
   template <class T>
   [[nodiscard]] Solve<T> make(int load_steps) const {
@@ -31,8 +34,8 @@ struct Solver {
   }
 };
 
-/// All of them.
-std::vector<Solver> solvers();
+/// Newton's method on all unknowns, and in few.
+std::vector<Solver> solvers(), reductions();
 
 /// Moves a motion by one step.
 template <class T>
@@ -53,7 +56,7 @@ struct Integrator {
   }
 };
 
-/// All of them.
-std::vector<Integrator> integrators();
+/// Steps of all unknowns, and of modes.
+std::vector<Integrator> integrators(), modal_integrators();
 
 }  // namespace chart

@@ -21,7 +21,7 @@ Solve<T> solve_with(int load_steps) {
   const double tolerance = std::is_same_v<T, double> ? 1e-7 : 1e-4;
   const auto statics = std::make_shared<Statics>(
       NewtonOptionsFor<Method>{.max_iterations = 60, .tolerance = tolerance}, LoadSteps{.steps = load_steps});
-  return [statics](const AnySystem<T>& system, State<T>& q) { return statics->solve(system, q); };
+  return [statics](const Discrete<T>& d, State<T>& q) { return statics->solve(d.system, q); };
 }
 
 template <class Operator, template <class> class Preconditioner, class Method = ConjugateGradient>

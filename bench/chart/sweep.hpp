@@ -7,20 +7,41 @@
 #include <cstddef>
 #include <functional>
 #include <map>
+#include <set>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "../peers/peer.hpp"
 #include "measure.hpp"
 
 namespace chart {
+
+/// The point of a peer's run.
+inline Point point_of(const Scene& scene, const Reference& reference, const Peer& peer, const PeerRun& run,
+                      int resolution) {
+  Point p{.model = peer.name,
+          .integrator = peer.integrator,
+          .solver = peer.solver,
+          .preconditioner = peer.preconditioner,
+          .resolution = resolution,
+          .scalar = peer.scalar,
+          .status = run.status,
+          .seconds = run.seconds,
+          .memory = run.memory,
+          .setup_seconds = run.setup_seconds};
+  if (run.status != "converged") return p;
+  for (const Quantity& q : scene.quantities) p.errors.push_back(q.error(scene, {run.u}, reference.answer));
+  return p;
+}
 
 /// All methods on a scene within a budget, coarse to fine: every model, in double precision with every solver
 /// (or integrator and step), and in single precision where double was no waste.
 ///
 /// A method ends where another solver or step of its model is as good in a quarter of the time, since finer
 /// meshes do not change that, and where the next resolution would take more than its share of what is left of
-/// the budget.
+/// the budget. Peers run beside it, each resolution that takes them less than a sixth of the budget.
 class Sweep {
  public:
   /// @param budget s of CPU time
@@ -30,7 +51,9 @@ class Sweep {
         reference_(reference),
         end_(cpu_seconds() + budget),
         budget_(budget),
-        levels_(std::min(levels, scene.resolutions.size())) {}
+        levels_(std::min(levels, scene.resolutions.size())) {
+    for (const Peer& p : peers()) peers_.push_back({p});
+  }
 
   /// @param on_point called with every point as it comes
   void run(const Toolbox& tools, const std::function<void(const Point&)>& on_point) {
@@ -45,6 +68,7 @@ class Sweep {
       const double share = part / 2 / static_cast<double>(std::max<std::size_t>(remaining, 1));
       for (Candidate& c : candidates)
         if (!c.out) advance(c, level, share, on_point);
+      ask_peers(level, budget_ / 6, on_point);
       drop_wasteful(candidates);
       for (Candidate& c : candidates) {
         if (c.out || c.point < 0) continue;
@@ -56,8 +80,18 @@ class Sweep {
   }
 
   [[nodiscard]] const std::vector<Point>& points() const { return points_; }
-  /// Models that do not fit the scene, and why.
-  [[nodiscard]] const std::map<std::string, std::string>& reasons() const { return reasons_; }
+  /// What does not fit the scene, and why: a sentence each.
+  [[nodiscard]] std::vector<std::string> reasons() const {
+    std::vector<std::string> sentences;
+    for (const auto& [part_and_why, models] : reasons_) {
+      const auto& [part, why] = part_and_why;
+      std::string names;
+      for (const std::string& m : models) names += (names.empty() ? "" : ", ") + m;
+      if (models.size() > 6) names = std::to_string(models.size()) + " of the models";
+      sentences.push_back("no " + (part.empty() ? "" : part + " on ") + names + ": " + why);
+    }
+    return sentences;
+  }
   /// Methods that ended for want of time.
   [[nodiscard]] int ended_early() const { return ended_early_; }
 
@@ -67,6 +101,11 @@ class Sweep {
     double last = 0;  // s that its last resolution took in all
     bool out = false;
     std::ptrdiff_t point = -1;  // its last
+  };
+
+  struct PeerCandidate {
+    Peer peer;
+    double last = 0;
   };
 
   void advance(Candidate& c, std::size_t level, double share,
@@ -88,6 +127,7 @@ class Sweep {
     c.point = static_cast<std::ptrdiff_t>(points_.size()) - 1;
     on_point(*p);
   }
+  static bool reduced(const Candidate& c) { return c.method.solver != nullptr && c.method.solver->reduced; }
   void drop_wasteful(std::vector<Candidate>& candidates) const {
     const auto point = [&](const Candidate& c) -> const Point& {
       return points_[static_cast<std::size_t>(c.point)];
@@ -95,7 +135,8 @@ class Sweep {
     for (Candidate& c : candidates)
       for (const Candidate& other : candidates)
         if (!c.out && c.point >= 0 && other.point >= 0 && c.method.model == other.method.model &&
-            point(other).error <= 1.05 * point(c).error && point(other).seconds < point(c).seconds / 4)
+            reduced(c) == reduced(other) && point(other).error() <= 1.05 * point(c).error() &&
+            point(other).seconds < point(c).seconds / 4)
           c.out = true;
   }
   // nullptr if the model does not fit
@@ -104,11 +145,29 @@ class Sweep {
       points_.push_back(measure(scene_, reference_, m, resolution, patience));
       return &points_.back();
     } catch (const NotApplicable& why) {
-      reasons_[m.model->name] = why.what();
+      reasons_[{why.of, why.what()}].insert(m.model->name);
     } catch (const std::invalid_argument& why) {
-      reasons_[m.model->name] = why.what();
+      reasons_[{"", why.what()}].insert(m.model->name);
     }
     return nullptr;
+  }
+
+  // Every peer on one resolution, unless it is likely to take too long.
+  void ask_peers(std::size_t level, double patience, const std::function<void(const Point&)>& on_point) {
+    for (PeerCandidate& c : peers_) {
+      const int resolution = scene_.resolutions[level];
+      const double growth =
+          level == 0 ? 1 : std::pow(static_cast<double>(resolution) / scene_.resolutions[level - 1], 3.5);
+      if (c.last * growth > patience) continue;
+      try {
+        const PeerRun run = c.peer.run(scene_, resolution);
+        c.last = run.seconds + run.setup_seconds;
+        points_.push_back(point_of(scene_, reference_, c.peer, run, resolution));
+        on_point(points_.back());
+      } catch (const NotApplicable& why) {
+        reasons_[{why.of, why.what()}].insert(c.peer.name);
+      }
+    }
   }
 
   const Scene& scene_;
@@ -116,7 +175,8 @@ class Sweep {
   double end_, budget_;
   std::size_t levels_;
   std::vector<Point> points_;
-  std::map<std::string, std::string> reasons_;
+  std::vector<PeerCandidate> peers_;
+  std::map<std::pair<std::string, std::string>, std::set<std::string>> reasons_;  // models, by part and why
   int ended_early_ = 0;
 };
 

@@ -42,6 +42,13 @@ std::vector<Model> tetrahedra() {
               []<class T>(std::type_identity<T>, const Scene& s, const TetrahedralMesh& mesh) -> Term<T> {
                 return mass_tensors<LinearMassTensor, T>(mesh, Lame::from_young_poisson(s.young, s.poisson));
               }),
+      on_mesh("mass_tensor_svk", "mass-tensor",
+              []<class T>(std::type_identity<T>, const Scene& s, const TetrahedralMesh& mesh) -> Term<T> {
+                if (!std::holds_alternative<StVenantKirchhoff>(s.law))
+                  throw NotApplicable(
+                      "tensors of third and fourth order are those of St. Venant and Kirchhoff's law");
+                return mass_tensors<MassTensor, T>(mesh, Lame::from_young_poisson(s.young, s.poisson));
+              }),
       on_mesh("tet4_linear", "linear tetrahedra",
               []<class T>(std::type_identity<T>, const Scene& s, const TetrahedralMesh& mesh) -> Term<T> {
                 return elastic<T>(mesh, LinearElastic::from_young_poisson(s.young, s.poisson));

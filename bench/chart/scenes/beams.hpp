@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "../quantities.hpp"
 #include "../scene.hpp"
 #include "softsim/mesh/generators.hpp"
 
@@ -23,6 +24,7 @@ inline Scene cantilever(const std::string& name, const std::string& title, const
   s.hexahedra = [=](int r) { return softsim::box_hexahedra(cells(r), size); };
   s.support = [](const Vec& X) { return X[0] == 0 ? held() : all_free(); };
   s.gravity = {0, 0, -9.81};
+  s.quantities = {displacement(), largest_displacement(), energy()};
   s.probes =
       points_between({size[0] / 20, size[1] / 2, size[2] / 2}, {size[0], size[1] / 2, size[2] / 2}, 20);
   return s;

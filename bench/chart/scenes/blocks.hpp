@@ -2,10 +2,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cmath>
 #include <numbers>
 
+#include "../quantities.hpp"
 #include "../scene.hpp"
 #include "softsim/core/error.hpp"
+#include "softsim/material/lame.hpp"
 #include "softsim/mesh/generators.hpp"
 
 namespace chart {
@@ -33,6 +36,13 @@ inline Scene compressed_block() {
   s.closed_form = [](const Vec& X, double) {
     return Vec((across - 1) * X[0], (across - 1) * X[1], (stretch - 1) * X[2]);
   };
+  s.grip = [](const Vec& X) { return X[2] == 1; };
+  s.quantities = {displacement(), force(), energy()};
+  const softsim::Lame lame = softsim::Lame::from_young_poisson(s.young, s.poisson);
+  const double log_volume = std::log(across * across * stretch);
+  s.closed_energy = lame.mu / 2 * (2 * across * across + stretch * stretch - 3) - lame.mu * log_volume +
+                    lame.lambda / 2 * log_volume * log_volume;
+  s.closed_force = {0, 0, lame.mu * (stretch - 1 / stretch) + lame.lambda * log_volume / stretch};
   return s;
 }
 
@@ -55,6 +65,8 @@ inline Scene twisted_bar() {
     return softsim::quaternion_exponential(Vec(0, 0, X[2] == 0 ? 0 : std::numbers::pi / 2));
   };
   s.load_steps = 4;
+  s.grip = [](const Vec& X) { return X[2] == 4; };
+  s.quantities = {displacement(), force(), energy()};
   s.probes = points_in_box(size, {3, 3, 6});
   return s;
 }
@@ -92,6 +104,7 @@ inline Scene cooks_membrane(const std::string& name, double poisson) {
   s.load_steps = 2;
   s.reference_resolution = poisson > 0.499 ? 16 : 32;
   s.reference_preconditioner = "-";
+  s.quantities = {displacement(), largest_displacement()};
   for (const Vec& X : points_in_box({1, 1, 0}, {4, 4, 1})) s.probes.push_back(tapered(X));
   return s;
 }

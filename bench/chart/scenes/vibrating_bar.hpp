@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "../quantities.hpp"
 #include "../scene.hpp"
 #include "softsim/mesh/generators.hpp"
 
@@ -33,6 +34,7 @@ inline Scene vibrating_bar() {
   };
   s.steps = {period / 20, period / 40, period / 80, period / 160, period / 320};
   s.times = 160;
+  s.quantities = {displacement(), frequency(period, 0), drift()};
   s.probes = points_between({length / 4, side / 2, side / 2}, {length, side / 2, side / 2}, 4);
   return s;
 }
