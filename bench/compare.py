@@ -9,9 +9,10 @@
 Absolute times drift by tens of percent while neighbours come and go. So what is kept is the ratio to a reference
 kernel, the plain loop of reference.hpp, that ran in the same process within the same second. Every ratio has a process
 of its own that runs nothing but these two, in short repetitions in random order
-(--benchmark_enable_random_interleaving), and takes the median time of each. All benchmarks interleaved in one process
-would put minutes between the two times of a ratio, and Google Benchmark does not tell the order in which it ran them;
-all benchmarks one after the other would put seconds between them. A round takes one ratio of every benchmark and
+(--benchmark_enable_random_interleaving), and takes the least time of each: neighbours can only slow things down, and not
+alike, since vector code loses more to one on the same core than a plain loop does. All benchmarks interleaved in one
+process would put minutes between the two times of a ratio, and Google Benchmark does not tell the order in which it ran
+them; all benchmarks one after the other would put seconds between them. A round takes one ratio of every benchmark and
 program: a disturbance of some seconds then falls on one ratio of a benchmark, which its median does not feel. Nor does
 it feel where one process happened to have its memory.
 
@@ -77,7 +78,7 @@ def measure(program, name, reference, repetitions, min_time):
                 raise BadInput(f"{run['name']} says: {run.get('error_message') or run.get('skip_message')}")
             if run.get("run_type") == "iteration":
                 times[run["run_name"]].append(run["cpu_time"] * NANOSECONDS[run["time_unit"]])
-        return statistics.median(times[name]) / statistics.median(times[reference]), result["context"]
+        return min(times[name]) / min(times[reference]), result["context"]
     except (ValueError, KeyError, TypeError, ZeroDivisionError) as error:
         raise BadInput(f"{program} did not print times of {name} and {reference} in Google Benchmark's JSON") from error
 
@@ -205,9 +206,9 @@ def main():
     one.add_argument("program", nargs="+", help="program of Google Benchmark")
     one.add_argument("--out", nargs="+", required=True, help="JSON file for each program")
     one.add_argument("--filter", default=HEADLINES, help="regular expression of names (default: the headline ones)")
-    one.add_argument("--rounds", type=int, default=9, help="ratios of each benchmark (default 9)")
-    one.add_argument("--repetitions", type=int, default=5, help="times in a ratio (default 5)")
-    one.add_argument("--min-time", type=float, default=0.03, help="least duration of a time, s (default 0.03)")
+    one.add_argument("--rounds", type=int, default=15, help="ratios of each benchmark (default 15)")
+    one.add_argument("--repetitions", type=int, default=12, help="times of which a ratio takes the least (default 12)")
+    one.add_argument("--min-time", type=float, default=0.01, help="least duration of a time, s (default 0.01)")
     one.set_defaults(function=run)
     two = commands.add_parser("check", help="compare two results")
     two.add_argument("old")
