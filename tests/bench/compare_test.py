@@ -88,6 +88,11 @@ class Check(Compare):
         self.assertEqual(self.check(self.NINE, [4.0] + self.NINE[1:]).returncode, 0)
         self.assertEqual(self.check([0.01] + self.NINE[1:], self.NINE).returncode, 0)
 
+    def test_four_slow_ratios_of_nine_do_not_matter_and_five_do(self):
+        slow = [1.5 * r for r in self.NINE]
+        self.assertEqual(self.check(self.NINE, self.NINE[:5] + slow[5:]).returncode, 0)
+        self.assertEqual(self.check(self.NINE, self.NINE[:4] + slow[4:]).returncode, 1)
+
     def test_faster_is_not_reported(self):
         done = self.check(self.NINE, [0.5 * r for r in self.NINE])
         self.assertEqual(done.returncode, 0)
