@@ -10,11 +10,6 @@ import csv
 import pathlib
 import sys
 
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
-
 # Okabe & Ito's colours, by what the name of a solver (of those that reduce a model) or of a model begins with; the first
 # that fits.
 REDUCED = [("modes", "modes", "#666666", "1"), ("warped_modes", "warped modes", "#666666", "2"), ("pod", "POD", "#666666", "p")]
@@ -51,6 +46,11 @@ def front(rows):
 
 
 def draw(folder, scene, title, error):
+    import matplotlib  # not at the top: pages.py needs the rest only
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
     with open(folder / f"{scene}.csv", newline="") as file:
         rows = list(csv.DictReader(file))
     moves = any(r["seconds_per_simulated_second"] for r in rows)

@@ -86,7 +86,7 @@ inline Scene organ(const std::string& path) {
   s.tetrahedra = [organ](int r) { return organ->at(r); };
   s.support = [organ](const Vec& X) { return organ->holds(X) ? held() : all_free(); };
   // most at the tip, nothing from a fifth of the length on; smooth, so that finer meshes have the same load
-  s.traction = [=, most = 0.08 * s.young](const Vec& X) {
+  s.traction = [=, most = 0.03 * s.young](const Vec& X) {
     const double r = (X - tip).norm() / (0.2 * length);
     return Vec(0, 0, r < 1 ? most * (1 - r * r) * (1 - r * r) : 0);
   };
