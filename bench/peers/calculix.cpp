@@ -109,14 +109,19 @@ Ended run_ccx(const fs::path& folder, const std::string& deck) {
   return ended;
 }
 
+// The unit of force, N: ccx takes forces under 1e-8 for none, whatever the others are.
+double unit_of(const Scene& scene) { return scene.young * 1e-6; }
+
 std::string material(const Scene& scene) {
+  const double unit = unit_of(scene);
   std::ostringstream deck;
   deck.precision(12);
   if (has_law<softsim::StVenantKirchhoff>(scene)) {
-    deck << "*ELASTIC\n" << scene.young << ',' << scene.poisson << '\n';
+    deck << "*ELASTIC\n" << scene.young / unit << ',' << scene.poisson << '\n';
   } else if (has_law<softsim::NeoHookean>(scene)) {
     const softsim::Lame lame = lame_of(scene);
-    deck << "*HYPERELASTIC, NEO HOOKE\n" << lame.mu / 2 << ',' << 2 / (lame.lambda + 2 * lame.mu / 3) << '\n';
+    deck << "*HYPERELASTIC, NEO HOOKE\n"
+         << lame.mu / (2 * unit) << ',' << 2 * unit / (lame.lambda + 2 * lame.mu / 3) << '\n';
   } else {
     throw NotApplicable("CalculiX has no such law");
   }
@@ -141,9 +146,11 @@ std::string deck_of(const Scene& scene, const Problem<Mesh>& problem, const std:
     deck << '\n';
   }
   deck << "*MATERIAL, NAME=M\n" << material(scene) << "*SOLID SECTION, ELSET=E, MATERIAL=M\n";
-  // Forces to a millionth of their mean, as our own methods do, where half a percent is usual: quadratic
-  // convergence makes an iteration or two of it.
-  deck << "*STEP, NLGEOM, INC=1000\n*CONTROLS, PARAMETERS=FIELD, FIELD=DISPLACEMENT\n1.E-6,1.E-3\n"
+  // Forces to 1e-7 of their mean, as our own methods do, and what it expects to be left of the correction to
+  // 1e-7 of the increment, where half a percent and one percent are usual: quadratic convergence makes an
+  // iteration or two of it. The last number: no exception after many iterations.
+  deck << "*STEP, NLGEOM, INC=1000\n*CONTROLS, PARAMETERS=FIELD, "
+          "FIELD=DISPLACEMENT\n1.E-7,1.E-7,,,1.E-7\n"
        << (solve ? "*STATIC, SOLVER=SPOOLES\n" : "*NO ANALYSIS\n");
   if (solve) deck << 1.0 / scene.load_steps << ",1.,1.E-6,1.\n";
   deck << "*BOUNDARY\n";
@@ -153,7 +160,8 @@ std::string deck_of(const Scene& scene, const Problem<Mesh>& problem, const std:
   forces.precision(12);
   for (std::size_t i = 0; i < problem.forces.size(); ++i)
     for (int a = 0; a < 3; ++a)
-      if (problem.forces[i][a] != 0) forces << i + 1 << ',' << a + 1 << ',' << problem.forces[i][a] << '\n';
+      if (problem.forces[i][a] != 0)
+        forces << i + 1 << ',' << a + 1 << ',' << problem.forces[i][a] / unit_of(scene) << '\n';
   if (!forces.str().empty()) deck << "*CLOAD\n" << forces.str();
   deck << "*NODE PRINT, NSET=N, FREQUENCY=100000\nU\n*END STEP\n";
   return deck.str();
@@ -187,7 +195,10 @@ PeerRun run_deck(const Scene& scene, const Problem<Mesh>& problem, const std::st
         << deck_of(scene, problem, element, solve);
   PeerRun run;
   const double written = process_seconds() - start;
-  const Ended check = run_ccx(folder.path(), "check"), solve = run_ccx(folder.path(), "solve");
+  // of what is quick, the quicker of two
+  Ended check = run_ccx(folder.path(), "check");
+  if (check.seconds < 0.2) check.seconds = std::min(check.seconds, run_ccx(folder.path(), "check").seconds);
+  const Ended solve = run_ccx(folder.path(), "solve");
   run.setup_seconds = written + check.seconds;
   run.seconds = std::max(solve.seconds - check.seconds, 1e-4);  // one may be as quick as the other
   run.memory = solve.memory;
