@@ -39,7 +39,7 @@ template <class Mesh, class Law>
 std::vector<Vec> ours(const Scene& scene, const Mesh& mesh, const Law& law) {
   const Discrete<double> d = discrete<double>(scene, mesh, softsim::elastic<double>(mesh, law));
   softsim::State<double> q = d.system.rest_state();
-  const auto report = solvers().front().make<double>(scene.load_steps)(d.system, q);
+  const auto report = solvers().front().make<double>(scene.load_steps)(d, q);
   EXPECT_EQ(report.status, softsim::Status::converged);
   return d.at_probes(q);
 }

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The softsim authors
 // SPDX-License-Identifier: MIT
-// Short form of the charts: the errors of all methods on coarse meshes, and the references. CHART_DATA is the
+// Short form of the charts: the errors of all methods on coarse meshes, and the references. SOFTSIM_CHART_DATA is the
 // folder of the references.
 #include <gtest/gtest.h>
 
@@ -34,7 +34,7 @@ const Model& model(const std::string& name) {
 }
 Point one(const Scene& scene, const std::string& of, std::size_t solver, int resolution,
           bool single = false) {
-  return measure(scene, reference_of(scene, CHART_DATA),
+  return measure(scene, reference_of(scene, SOFTSIM_CHART_DATA),
                  {.model = &model(of), .solver = &tools().solvers[solver], .single = single}, resolution,
                  1e-9);
 }
@@ -44,7 +44,7 @@ Point moving(const Scene& scene, const std::string& of, const std::string& integ
   const auto& all = tools().integrators;
   const auto found =
       std::find_if(all.begin(), all.end(), [&](const Integrator& i) { return i.name == integrator; });
-  return measure(scene, reference_of(scene, CHART_DATA),
+  return measure(scene, reference_of(scene, SOFTSIM_CHART_DATA),
                  {.model = &model(of), .integrator = &*found, .step = step, .single = single}, resolution,
                  1e-9);
 }
@@ -92,10 +92,10 @@ TEST(Chart, TheErrorIsThatOfTheModel) {
 // Beside the numbers of others: beam theory, other codes' finite elements.
 TEST(Chart, ReferencesAgreeWithOthers) {
   const auto last = [](const std::string& name) {
-    return reference_of(scene_of(name), CHART_DATA).answer.u.back();
+    return reference_of(scene_of(name), SOFTSIM_CHART_DATA).answer.u.back();
   };
   const auto own_error = [](const std::string& name) {
-    return reference_of(scene_of(name), CHART_DATA).errors[0];
+    return reference_of(scene_of(name), SOFTSIM_CHART_DATA).errors[0];
   };
   EXPECT_NEAR(last("steel_cantilever")[2], -0.150593, 0.005 * 0.150593);  // Timoshenko
   EXPECT_NEAR(last("soft_cantilever")[2], -6.5090,
@@ -103,7 +103,7 @@ TEST(Chart, ReferencesAgreeWithOthers) {
   EXPECT_NEAR(last("soft_cantilever")[0], -1.5985,
               std::max(0.002, 3 * own_error("soft_cantilever")) * 1.5985);
   for (const Scene& scene : scenes())
-    for (const double error : reference_of(scene, CHART_DATA).errors) EXPECT_LT(error, 1e-2) << scene.name;
+    for (const double error : reference_of(scene, SOFTSIM_CHART_DATA).errors) EXPECT_LT(error, 1e-2) << scene.name;
 }
 
 TEST(Chart, EverySceneHasAFrontOfSeveralModelsAtCoarseResolutions) {
@@ -115,7 +115,7 @@ TEST(Chart, EverySceneHasAFrontOfSeveralModelsAtCoarseResolutions) {
         const auto stable = std::find_if(all.begin(), all.end(), [](const Method& method) {
           return method.integrator == nullptr || method.integrator->solver != "-";
         });
-        const Point p = measure(scene, reference_of(scene, CHART_DATA), *stable, scene.resolutions[0], 1e-9);
+        const Point p = measure(scene, reference_of(scene, SOFTSIM_CHART_DATA), *stable, scene.resolutions[0], 1e-9);
         if (p.status == "converged") solved.insert(m.family);
       } catch (const NotApplicable&) {
       }
@@ -144,7 +144,7 @@ TEST(Chart, RowsHaveTheColumnsOfTheHeader) {
 
 TEST(Choose, FindsTheCheapestOfTheBlock) {
   const Scene scene = scene_of("compressed_block");
-  const Reference reference = reference_of(scene, CHART_DATA);
+  const Reference reference = reference_of(scene, SOFTSIM_CHART_DATA);
   Exploration exploration(scene, reference, {.tolerance = 1e-4, .rate = 25}, 60);
   exploration.run(tools());
   const auto& points = exploration.points();
@@ -231,7 +231,7 @@ TEST(References, AreRefusedIfTheyAreNotOfTheScene) {
               std::string::npos);
   }
   // what is written is read again, or missed
-  Reference r = reference_of(scene, CHART_DATA);
+  Reference r = reference_of(scene, SOFTSIM_CHART_DATA);
   r.errors[1] = not_told;
   write_reference(scene, r, folder);
   try {
@@ -241,7 +241,7 @@ TEST(References, AreRefusedIfTheyAreNotOfTheScene) {
     EXPECT_NE(std::string(error.what()).find("does not tell its own error of the force"), std::string::npos)
         << error.what();
   }
-  r = reference_of(scene, CHART_DATA);
+  r = reference_of(scene, SOFTSIM_CHART_DATA);
   write_reference(scene, r, folder);
   const Reference again = reference_of(scene, folder);
   EXPECT_LT(relative_distance(again.answer.u, r.answer.u), 1e-8);
@@ -286,7 +286,7 @@ TEST(Quantities, TellWhatTheySay) {
   EXPECT_NEAR(cube.quantities[1].error(cube, b, rest), angle, 1e-12);
   // a swing that is too slow by 3 %, more than a quarter of a period behind after the twenty
   const Scene bar = scene_of("vibrating_bar");
-  const Answer exact = reference_of(bar, CHART_DATA).answer;
+  const Answer exact = reference_of(bar, SOFTSIM_CHART_DATA).answer;
   Answer slow;
   for (const double t : times_of(bar))
     for (const Vec& X : bar.probes) slow.u.push_back(bar.closed_form(X, 0.97 * t));
@@ -363,7 +363,7 @@ const Solver* solver_named(const std::string& name) {
   return found == all.end() ? nullptr : &*found;
 }
 Point reduced(const Scene& scene, const std::string& of, const std::string& solver, int resolution) {
-  return measure(scene, reference_of(scene, CHART_DATA),
+  return measure(scene, reference_of(scene, SOFTSIM_CHART_DATA),
                  {.model = &model(of), .solver = solver_named(solver)}, resolution, 1e-9);
 }
 

@@ -73,9 +73,8 @@ inline Scene twisted_bar() {
 
 /// Cook's membrane: a tapered panel of 48 mm, in plane strain, sheared at its right side.
 inline Scene cooks_membrane(const std::string& name, double poisson) {
-  Scene s{
-      .name = name,
-      .title = std::string("Cook's membrane, plane strain, Neo-Hookean, nu = ") + softsim::to_text(poisson)};
+  Scene s{.name = name, .title = "Cook's membrane, plane strain, Neo-Hookean, nu = "};
+  s.title += softsim::to_text(poisson);
   constexpr double mu = 0.4225;
   s.poisson = poisson;
   s.young = 2 * mu * (1 + poisson);
