@@ -41,7 +41,8 @@ inline Point point_of(const Scene& scene, const Reference& reference, const Peer
 ///
 /// A method ends where another solver or step of its model is as good in a quarter of the time, since finer
 /// meshes do not change that, and where the next resolution would take more than its share of what is left of
-/// the budget. Peers run beside it, each resolution that takes them less than a sixth of the budget.
+/// the budget: much for those that nothing else with their model is better than, and nothing at all ten times
+/// better, which go first; little for the others. Peers run beside it, as far as one of our best might.
 class Sweep {
  public:
   /// @param budget s of CPU time
@@ -61,14 +62,14 @@ class Sweep {
     for (const Model& m : tools.models)
       for (const Method& method : tools.methods(scene_, m, false)) candidates.push_back({method});
     for (std::size_t level = 0; level < levels_; ++level) {
-      std::size_t remaining = 0;
-      for (const Candidate& c : candidates) remaining += c.out ? 0 : 1;
       // of the time that is left, an equal part for each level, half of it for the first runs
-      const double part = (end_ - cpu_seconds()) / static_cast<double>(levels_ - level);
-      const double share = part / 2 / static_cast<double>(std::max<std::size_t>(remaining, 1));
-      for (Candidate& c : candidates)
-        if (!c.out) advance(c, level, share, on_point);
-      ask_peers(level, budget_ / 6, on_point);
+      const double part = (end_ - cpu_seconds()) / static_cast<double>(levels_ - level),
+                   level_end = cpu_seconds() + part;
+      const std::vector<Candidate*> order = by_promise(candidates, level);
+      const double share = part / 2 / static_cast<double>(std::max<std::size_t>(order.size(), 1));
+      for (Candidate* c : order)
+        advance(*c, level, c->leads ? part / 3 : std::max(10 * share, 0.02), level_end, share, on_point);
+      ask_peers(level, part / 3, on_point);
       drop_wasteful(candidates);
       for (Candidate& c : candidates) {
         if (c.out || c.point < 0) continue;
@@ -98,7 +99,8 @@ class Sweep {
  private:
   struct Candidate {
     Method method;
-    double last = 0;  // s that its last resolution took in all
+    double last = 0;     // s that its last resolution took, set-up included
+    bool leads = false;  // nothing else does as well with its model
     bool out = false;
     std::ptrdiff_t point = -1;  // its last
   };
@@ -108,30 +110,58 @@ class Sweep {
     double last = 0;
   };
 
-  void advance(Candidate& c, std::size_t level, double share,
+  [[nodiscard]] const Point& point(const Candidate& c) const {
+    return points_[static_cast<std::size_t>(c.point)];
+  }
+  [[nodiscard]] double growth(std::size_t level) const {
+    return level == 0
+               ? 1
+               : std::pow(static_cast<double>(scene_.resolutions[level]) / scene_.resolutions[level - 1],
+                          3.5);
+  }
+  // Those that are still in: first those on the front of their own model, and the quick ones before the slow.
+  [[nodiscard]] std::vector<Candidate*> by_promise(std::vector<Candidate>& candidates,
+                                                   std::size_t level) const {
+    std::vector<Candidate*> order;
+    for (Candidate& c : candidates) {
+      if (c.out) continue;
+      order.push_back(&c);
+      c.leads = level == 0 ||
+                (c.point >= 0 && std::none_of(candidates.begin(), candidates.end(),
+                                              [&](const Candidate& other) { return beats(other, c); }));
+    }
+    std::stable_sort(order.begin(), order.end(), [](const Candidate* a, const Candidate* b) {
+      return std::pair(!a->leads, a->last) < std::pair(!b->leads, b->last);
+    });
+    return order;
+  }
+  // a does as well as b and is faster: a little with the same model, ten times with another.
+  [[nodiscard]] bool beats(const Candidate& a, const Candidate& b) const {
+    const double than = a.method.model == b.method.model ? 1 : 0.1;
+    return !a.out && a.point >= 0 && reduced(a) == reduced(b) &&
+           point(a).error() <= 1.01 * point(b).error() && point(a).seconds < than * point(b).seconds;
+  }
+
+  void advance(Candidate& c, std::size_t level, double limit, double level_end, double patience,
                const std::function<void(const Point&)>& on_point) {
-    const int resolution = scene_.resolutions[level];
-    const double growth =
-        level == 0 ? 1 : std::pow(static_cast<double>(resolution) / scene_.resolutions[level - 1], 3.5);
     c.point = -1;
-    if (cpu_seconds() > end_ || c.last * growth > std::max(10 * share, 0.02)) {
+    if (cpu_seconds() > level_end || c.last * growth(level) > limit) {
       c.out = true;
       ++ended_early_;
       return;
     }
-    const double before = cpu_seconds();
-    const Point* p = ask(c.method, resolution, share);
-    c.last = cpu_seconds() - before;
-    if (p == nullptr || c.last > budget_ / 3) c.out = true;
-    if (p == nullptr) return;
+    const Point* p = ask(c.method, scene_.resolutions[level], patience);
+    if (p == nullptr) {
+      c.out = true;
+      return;
+    }
     c.point = static_cast<std::ptrdiff_t>(points_.size()) - 1;
+    c.last = p->seconds + p->setup_seconds;
+    if (c.last > budget_ / 3) c.out = true;
     on_point(*p);
   }
   static bool reduced(const Candidate& c) { return c.method.solver != nullptr && c.method.solver->reduced; }
   void drop_wasteful(std::vector<Candidate>& candidates) const {
-    const auto point = [&](const Candidate& c) -> const Point& {
-      return points_[static_cast<std::size_t>(c.point)];
-    };
     for (Candidate& c : candidates)
       for (const Candidate& other : candidates)
         if (!c.out && c.point >= 0 && other.point >= 0 && c.method.model == other.method.model &&
@@ -156,9 +186,7 @@ class Sweep {
   void ask_peers(std::size_t level, double patience, const std::function<void(const Point&)>& on_point) {
     for (PeerCandidate& c : peers_) {
       const int resolution = scene_.resolutions[level];
-      const double growth =
-          level == 0 ? 1 : std::pow(static_cast<double>(resolution) / scene_.resolutions[level - 1], 3.5);
-      if (c.last * growth > patience) continue;
+      if (c.last * growth(level) > patience) continue;
       try {
         const PeerRun run = c.peer.run(scene_, resolution);
         c.last = run.seconds + run.setup_seconds;

@@ -116,10 +116,10 @@ class World {
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
-  // Whether it comes to rest within a minute.
+  // Whether it comes to rest within 20 s.
   bool settle() {
     const double start = process_seconds();
-    for (int k = 1; process_seconds() < start + 60; ++k) {
+    for (int k = 1; process_seconds() < start + 20; ++k) {
       const double part = std::min(1.0, static_cast<double>(k) / load_steps_);
       dead_.part = part;
       for (const auto& h : problem_.held) {
