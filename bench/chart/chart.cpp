@@ -10,6 +10,7 @@
 #include <fstream>
 #include <iostream>
 #include <map>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -27,8 +28,9 @@ namespace fs = std::filesystem;
 
 constexpr const char* help =
     "usage: chart --list\n"
-    "       chart SCENE|all [--budget SECONDS] [--resolutions N] [--out DIR] [--no-picture]\n"
-    "       chart SCENE --only METHOD\n"
+    "       chart SCENE|all [--budget SECONDS[,SCENE=SECONDS]...] [--resolutions N] [--out DIR] "
+    "[--no-picture]\n"
+    "       chart SCENE --only METHOD [--quantity NAME]\n"
     "       chart --reference SCENE|all\n"
     "       all of them: [--mesh FILE] [--data DIR]\n"
     "Runs every method that fits on a scene, coarse to fine, within a budget of CPU time (default 60 s a "
@@ -49,11 +51,27 @@ constexpr const char* help =
 struct Options {
   std::vector<std::string> scenes;
   double budget = 60;
+  std::map<std::string, double> budgets = {};  // of scenes that need another
   int resolutions = 1000;
   fs::path out = fs::path("out") / "chart", data = SOFTSIM_CHART_DATA;
-  std::string mesh = SOFTSIM_ORGAN, only;
+  std::string mesh = SOFTSIM_ORGAN, only, quantity;
   bool list = false, reference = false, picture = true, show_help = false;
 };
+
+// SECONDS[,SCENE=SECONDS]...
+void parse_budget(const std::string& text, Options& o) {
+  std::istringstream parts(text + ",");
+  for (std::string part; std::getline(parts, part, ',');) {
+    const std::size_t sign = part.find('=');
+    const std::string scene = sign == std::string::npos ? "" : part.substr(0, sign);
+    const double seconds =
+        positive_number("--budget", sign == std::string::npos ? part : part.substr(sign + 1));
+    if (scene.empty())
+      o.budget = seconds;
+    else
+      o.budgets[scene] = seconds;
+  }
+}
 
 Options parse(int argc, char** argv) {
   Options o;
@@ -68,9 +86,9 @@ Options parse(int argc, char** argv) {
     else if (word == "--no-picture")
       o.picture = false;
     else if (word == "--budget")
-      o.budget = words.positive(word);
+      parse_budget(words.value_of(word), o);
     else if (word == "--resolutions")
-      o.resolutions = static_cast<int>(words.positive(word));
+      o.resolutions = static_cast<int>(std::ceil(words.positive(word)));
     else if (word == "--out")
       o.out = words.value_of(word);
     else if (word == "--data")
@@ -79,6 +97,8 @@ Options parse(int argc, char** argv) {
       o.mesh = words.value_of(word);
     else if (word == "--only")
       o.only = words.value_of(word);
+    else if (word == "--quantity")
+      o.quantity = words.value_of(word);
     else if (word.empty() || word[0] == '-')
       throw BadArguments("unknown option '" + word + "'");
     else
@@ -106,15 +126,16 @@ void list(const Toolbox& tools) {
 }
 
 void print_front(const Scene& scene, std::vector<Point> points, const Reference& reference, std::size_t k) {
-  std::erase_if(points, [&](const Point& p) { return p.trained || !std::isfinite(p.error(k)); });
+  std::erase_if(points, [&](const Point& p) { return p.off_front || !std::isfinite(p.error(k)); });
   std::sort(points.begin(), points.end(),
             [](const Point& a, const Point& b) { return a.seconds < b.seconds; });
   std::printf("%s: the front of the %s (own error of the reference %.2g)\n", scene.name.c_str(),
               scene.quantities[k].name.c_str(), reference.errors[k]);
   double best = 1e300;
   for (const Point& p : points) {
-    if (p.error(k) > 0.98 * best) continue;  // no better but for rounding
-    best = p.error(k);
+    const double error = std::max(p.error(k), reference.errors[k]);  // below it nothing can be told
+    if (error > 0.98 * best) continue;                               // no better but for rounding
+    best = error;
     std::printf("  %10.3g s  error %9.3g  %s\n", p.seconds, p.error(k), described(p).c_str());
   }
 }
@@ -168,16 +189,24 @@ std::string machine() {
 
 void draw_chart(const Scene& scene, const Toolbox& tools, const Options& o) {
   const Reference reference = reference_of(scene, o.data);
+  // nothing of an earlier run is left
+  for (const auto& entry : fs::directory_iterator(o.out))
+    if (const std::string name = entry.path().filename().string();
+        name.starts_with(scene.name + ".") || name.starts_with(scene.name + "_"))
+      fs::remove(entry.path());
   std::vector<Rows> charts;
   for (std::size_t k = 0; k < scene.quantities.size(); ++k)
     charts.emplace_back(o.out / (chart_name(scene, k) + ".csv"), Point::header);
-  Sweep sweep(scene, reference, o.budget, static_cast<std::size_t>(o.resolutions));
+  const auto own = o.budgets.find(scene.name);
+  Sweep sweep(scene, reference, own == o.budgets.end() ? o.budget : own->second,
+              static_cast<std::size_t>(o.resolutions));
   sweep.run(tools, [&](const Point& p) {
     for (std::size_t k = 0; k < charts.size(); ++k)
       charts[k].add([&](std::ostream& out) { p.write(out, k); });
   });
   std::map<std::pair<std::string, int>, std::size_t> unknowns;
-  for (const Point& p : sweep.points()) unknowns[{p.model, p.resolution}] = p.unknowns;
+  for (const Point& p : sweep.points())
+    if (p.unknowns > 0) unknowns[{p.model, p.resolution}] = p.unknowns;  // of peers we do not know
   Rows of_unknowns(o.out / (scene.name + "_unknowns.csv"), "model,resolution,unknowns");
   for (const auto& [mesh, count] : unknowns)
     of_unknowns.add(
@@ -185,8 +214,9 @@ void draw_chart(const Scene& scene, const Toolbox& tools, const Options& o) {
   for (const std::string& reason : sweep.reasons())
     std::printf("%s: %s\n", scene.name.c_str(), reason.c_str());
   if (sweep.ended_early() > 0)
-    std::printf("%s: %d methods ended before the finest resolution, for want of time\n", scene.name.c_str(),
-                sweep.ended_early());
+    std::printf(
+        "%s: %d methods ended before the finest resolution, for want of time; %d of them never began\n",
+        scene.name.c_str(), sweep.ended_early(), sweep.never_began());
   for (std::size_t k = 0; k < charts.size(); ++k) print_front(scene, sweep.points(), reference, k);
   std::printf("%s: %zu points in %s\n", scene.name.c_str(), sweep.points().size(),
               (o.out / (scene.name + ".csv")).string().c_str());
@@ -198,6 +228,8 @@ void make_reference(const Scene& scene, const Toolbox& tools, const Options& o) 
     std::printf("%s: has a closed form\n", scene.name.c_str());
     return;
   }
+  if (scene.duration > 0)
+    throw BadArguments(scene.name + ": the reference of a motion has to be a closed form");
   const Model& model = *std::find_if(tools.models.begin(), tools.models.end(),
                                      [](const Model& m) { return m.name == "tet10"; });
   const Solver& solver = *std::find_if(tools.solvers.begin(), tools.solvers.end(), [&](const Solver& s) {
@@ -262,19 +294,25 @@ int run(const Options& o) {
   }
   const std::vector<Scene> wanted = scenes_named(o.scenes, o.mesh);
   if (o.reference) {
+    if (o.mesh != SOFTSIM_ORGAN && o.data == SOFTSIM_CHART_DATA)
+      throw BadArguments("--reference with --mesh needs a --data of its own");
     for (const Scene& scene : wanted) make_reference(scene, tools, o);
     return 0;
   }
   if (!o.only.empty()) {
     if (wanted.size() != 1) throw BadArguments("--only needs one scene");
-    return measure_one(wanted.front(), tools, o);
+    Scene scene = wanted.front();
+    ask_for(o.quantity, scene);
+    return measure_one(scene, tools, o);
   }
   std::error_code error;
   fs::create_directories(o.out, error);
-  Rows of_scenes(o.out / "scenes.csv", "scene;title");
+  Rows of_scenes(o.out / "scenes.csv", "scene;title;reference_error");
   for (const Scene& scene : wanted) {
     draw_chart(scene, tools, o);
-    of_scenes.add([&](std::ostream& out) { out << scene.name << ';' << scene.title << '\n'; });
+    of_scenes.add([&](std::ostream& out) {
+      out << scene.name << ';' << scene.title << ';' << reference_of(scene, o.data).errors[0] << '\n';
+    });
   }
   Rows(o.out / "machine.txt", machine());
   if (!o.picture) return 0;
@@ -282,11 +320,11 @@ int run(const Options& o) {
   std::vector<std::string> command{python, SOFTSIM_CHART_PLOT, o.out.string()};
   for (const Scene& scene : wanted)
     for (std::size_t k = 0; k < scene.quantities.size(); ++k)
-      command.insert(command.end(), {chart_name(scene, k), scene.title, scene.quantities[k].title});
-  if (python.empty() || !picture::runs(command))
-    std::fprintf(stderr, "chart: no picture: %s\n",
-                 python.empty() ? "no Python with matplotlib" : "it failed");
-  return 0;
+      command.insert(command.end(), {chart_name(scene, k), scene.title, scene.quantities[k].title,
+                                     softsim::to_text(reference_of(scene, o.data).errors[k])});
+  if (!python.empty() && picture::runs(command)) return 0;
+  std::fprintf(stderr, "chart: no picture: %s\n", python.empty() ? "no Python with matplotlib" : "it failed");
+  return 1;
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ using namespace chart;
 constexpr const char* help =
     "usage: choose SCENE --tolerance E --rate HZ [--quantity NAME] [--trained] [--budget SECONDS]\n"
     "       [--mesh FILE] [--data DIR]\n"
-    "Prints the method that solves a scene in the shortest time with a relative error of at most E, at least "
+    "Prints the method that solves a scene in the shortest time with an error of at most E, at least "
     "HZ times\n"
     "a second, the runners-up of other models, and what more accuracy costs. Explores for at most the budget "
     "(100 s).\n"
@@ -34,7 +34,8 @@ void print(const Scene& scene, const Point& p) {
               static_cast<double>(p.memory) / 1e6, described(p).c_str());
 }
 
-int answer(const Scene& scene, const Wish& wish, double budget, const std::string& data, bool trained) {
+int answer(const Scene& scene, const Wish& wish, double budget, const std::string& data, bool trained,
+           const std::string& again) {
   const Reference reference = reference_of(scene, data);
   if (wish.tolerance < reference.errors[0]) {
     std::fprintf(
@@ -78,17 +79,20 @@ int answer(const Scene& scene, const Wish& wish, double budget, const std::strin
   }
   std::printf("cheapest with an error of at most %g, at %g Hz:\n", wish.tolerance, wish.rate);
   print(scene, *best);
-  std::printf("  measured again by: chart %s --only %s\n", scene.name.c_str(), best->name().c_str());
+  std::printf("  measured again by: chart %s --only %s%s\n", scene.name.c_str(), best->name().c_str(),
+              again.c_str());
   std::printf("runners-up of other models (as far as they take less than %g times as long):\n",
               Exploration::hopeless);
   std::set<std::string> shown{best->model};
   for (const Point& p : points)
-    if (p.error() <= wish.tolerance && shown.insert(p.model).second && shown.size() <= 5) print(scene, p);
+    if (p.error() <= wish.tolerance && wish.allows(scene, p.step) && shown.insert(p.model).second &&
+        shown.size() <= 5)
+      print(scene, p);
   if (shown.size() == 1) std::printf("  none\n");
   std::printf("less error costs:\n");
   double error = best->error();
   for (const Point& p : points)
-    if (cost_of(p) >= cost_of(*best) && p.error() < error / 1.5) {
+    if (cost_of(p) >= cost_of(*best) && wish.allows(scene, p.step) && p.error() < error / 1.5) {
       error = p.error();
       print(scene, p);
     }
@@ -130,16 +134,13 @@ int run(int argc, char** argv) {
   std::vector<Scene> wanted = scenes_named(names, mesh);
   if (wanted.size() != 1) throw BadArguments("name one scene; chart --list names them");
   Scene& scene = wanted.front();
-  if (!quantity.empty()) {
-    auto& all = scene.quantities;
-    const auto asked =
-        std::find_if(all.begin(), all.end(), [&](const Quantity& q) { return q.name == quantity; });
-    if (asked == all.end())
-      throw BadArguments("--quantity '" + quantity + "': " + scene.name +
-                         " does not ask for it; chart --list names what it asks for");
-    std::rotate(all.begin(), asked, asked + 1);
-  }
-  return answer(scene, {tolerance, rate}, budget, data, trained);
+  ask_for(quantity, scene);
+  // what it takes to ask again
+  std::string again;
+  if (!quantity.empty()) again += " --quantity " + quantity;
+  if (mesh != SOFTSIM_ORGAN) again += " --mesh " + mesh;
+  if (data != SOFTSIM_CHART_DATA) again += " --data " + data;
+  return answer(scene, {tolerance, rate}, budget, data, trained, again);
 }
 
 }  // namespace

@@ -18,6 +18,15 @@ struct BadArguments : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// A number out of the value of an option.
+inline double positive_number(const std::string& option, const std::string& text) {
+  char* end = nullptr;
+  const double x = std::strtod(text.c_str(), &end);
+  if (text.empty() || *end != 0 || !(x > 0) || !(x < 1e12))
+    throw BadArguments(option + " '" + text + "': must be a positive number");
+  return x;
+}
+
 /// The words of a command line, one after the other.
 class Words {
  public:
@@ -34,14 +43,7 @@ class Words {
     return words_[at_++];
   }
   /// The same, a number.
-  double positive(const std::string& option) {
-    const std::string text = value_of(option);
-    char* end = nullptr;
-    const double x = std::strtod(text.c_str(), &end);
-    if (text.empty() || *end != 0 || !(x > 0) || !(x < 1e12))
-      throw BadArguments(option + " '" + text + "': must be a positive number");
-    return x;
-  }
+  double positive(const std::string& option) { return positive_number(option, value_of(option)); }
 
  private:
   std::vector<std::string> words_;
@@ -60,6 +62,18 @@ inline std::vector<Scene> scenes_named(const std::vector<std::string>& names,
     if (result.size() == before) throw BadArguments("no scene '" + name + "'; chart --list names them");
   }
   return result;
+}
+
+/// Puts the quantity of this name first; nothing if none is named.
+inline void ask_for(const std::string& quantity, Scene& scene) {
+  if (quantity.empty()) return;
+  auto& all = scene.quantities;
+  const auto asked =
+      std::find_if(all.begin(), all.end(), [&](const Quantity& q) { return q.name == quantity; });
+  if (asked == all.end())
+    throw BadArguments("--quantity '" + quantity + "': " + scene.name +
+                       " does not ask for it; chart --list names what it asks for");
+  std::rotate(all.begin(), asked, asked + 1);
 }
 
 }  // namespace chart

@@ -28,8 +28,12 @@ struct Wish {
   /// A simulation has to keep up with the clock, and to make a step a frame at least.
   [[nodiscard]] bool met_by(const Scene& scene, const Point& p) const {
     if (!(p.error() <= tolerance)) return false;
-    return scene.duration > 0 ? p.seconds_per_simulated_second <= 1 && p.step * rate <= 1 + 1e-9
+    return scene.duration > 0 ? p.seconds_per_simulated_second <= 1 && allows(scene, p.step)
                               : p.seconds * rate <= 1;
+  }
+  /// Whether a step is short enough.
+  [[nodiscard]] bool allows(const Scene& scene, double step) const {
+    return scene.duration == 0 || step * rate <= 1 + 1e-9;
   }
 };
 
@@ -37,10 +41,11 @@ struct Wish {
 /// first.
 ///
 /// Every model starts on its coarsest resolution, with every solver, or with every integrator and its longest
-/// step. What was measured tells what the next finer resolution and the next shorter step will take; both
-/// join the queue, but not the resolution if it was accurate enough, or hardly better than the one before
-/// (its step is too long). The search ends where the next try would take more than `hopeless` times as long
-/// as the best that is accurate enough. Then single precision is tried where double was accurate enough.
+/// step that the rate allows. What was measured tells what the next finer resolution and the next shorter
+/// step will take; both join the queue, but not the resolution if it was accurate enough, or hardly better
+/// than the one before (its step is too long). The search ends where the next try would take more than
+/// `hopeless` times as long as the best that is accurate enough. Then single precision is tried where double
+/// was accurate enough.
 class Exploration {
  public:
   static constexpr double hopeless = 4;
@@ -57,7 +62,11 @@ class Exploration {
     for (const Model& m : tools.models) {
       methods.push_back(tools.methods(scene_, m, false));
       for (std::size_t k = 0; k < methods.back().size(); k += steps)
-        queue.push({.model = methods.size() - 1, .method = k});
+        for (std::size_t j = k; j < k + steps; ++j)
+          if (wish_.allows(scene_, methods.back()[j].step)) {
+            queue.push({.model = methods.size() - 1, .method = j});
+            break;
+          }
     }
     std::vector<std::pair<Method, int>> accurate;
     while (!queue.empty() && queue.top().expected <= hopeless * limit()) {

@@ -27,6 +27,8 @@ struct Method {
   const Integrator* integrator = nullptr;  ///< of a dynamic one
   double step = std::numeric_limits<double>::quiet_NaN();
   bool single = false;
+  /// In few unknowns: a run takes little, once they are found.
+  [[nodiscard]] bool reduced() const { return solver != nullptr ? solver->reduced : integrator->reduced; }
 };
 
 /// One line of a chart.
@@ -42,7 +44,8 @@ struct Point {
   std::size_t memory = 0;    ///< bytes in use for mesh, system and solver after the solve
   double setup_seconds = 0;  ///< mesh, system, patterns, symbolic factorisation: what is done once a scene
   std::size_t unknowns = 0;
-  bool trained = false;  ///< see `Solver`
+  /// It has seen the load before (see `Solver`), or has another law than the scene: not to be compared.
+  bool off_front = false;
 
   /// Of the k-th of the scene's quantities; not a number where the method failed or does not tell.
   [[nodiscard]] double error(std::size_t k = 0) const { return k < errors.size() ? errors[k] : not_told; }
@@ -190,12 +193,14 @@ inline Point unmeasured(const Scene& scene, const Method& m, int resolution) {
           .step = m.step,
           .resolution = resolution,
           .scalar = m.single ? "float" : "double",
-          .trained = !moves && m.solver->trained};
+          .off_front = !moves && m.solver->trained};
 }
 
 /// Runs a method on a scene. The first run, which also makes patterns and orders, counts to the set-up as far
 /// as it takes longer than the median of the others.
-/// @param patience s that the repeats may take; at least one is made if the first run took less
+/// @param patience s that the repeats may take; at least one is made if the first run took less than ten
+/// times
+///   that, or the method is reduced; otherwise the first run is all there is, with its patterns
 /// @throws NotApplicable if the model does not fit the scene
 template <class T>
 Point measure_in(const Scene& scene, const Reference& reference, const Method& m, int resolution,
@@ -226,8 +231,8 @@ Point measure_in(const Scene& scene, const Reference& reference, const Method& m
   for (const Quantity& q : scene.quantities) p.errors.push_back(q.error(scene, answer, reference.answer));
   if (!std::isfinite(p.error())) p.status = "not_finite";
   std::vector<double> times;
-  for (double spent = 0;
-       times.size() < 9 && (spent + first < patience || (times.empty() && first < patience));) {
+  for (double spent = 0; times.size() < 9 && (spent + first < patience ||
+                                              (times.empty() && (m.reduced() || first < 10 * patience)));) {
     const double begin = cpu_seconds();
     (void)bench.run();
     times.push_back(cpu_seconds() - begin);

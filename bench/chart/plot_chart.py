@@ -4,7 +4,8 @@
 """Draws FOLDER/CHART.png of each FOLDER/CHART.csv that chart wrote: error against time to solution, or against time per
 simulated second.
 
-usage: plot_chart.py FOLDER (CHART TITLE ERROR)...
+usage: plot_chart.py FOLDER (CHART TITLE ERROR REFERENCE)...
+REFERENCE is the own error of the reference: below it nothing can be told.
 """
 import csv
 import pathlib
@@ -35,17 +36,24 @@ def name(row, moves):
     return row["integrator"] if moves else row["model"] + (", " + reduced if reduced else "")
 
 
-def front(rows):
-    """Those that no other is both faster and (by more than 2 %) more accurate than, by time."""
+def comparable(row):
+    """Not those that have seen the load before, or have another law than the scene."""
+    return row["solver"] != "pod" and not row["model"].endswith("_own_law")
+
+
+def front(rows, floor):
+    """Those that no other is both faster and (by more than 2 %) more accurate than, by time; below the floor, the own error
+    of the reference, all are as good."""
     best, result = float("inf"), []
-    for r in sorted(rows, key=lambda r: (r["seconds"], r["error"])):
-        if r["error"] < 0.98 * best:
-            best = r["error"]
+    for r in sorted((r for r in rows if comparable(r)), key=lambda r: (r["seconds"], r["error"])):
+        error = max(r["error"], floor)
+        if error < 0.98 * best:
+            best = error
             result.append(r)
     return result
 
 
-def draw(folder, scene, title, error):
+def draw(folder, scene, title, error, floor):
     import matplotlib  # not at the top: pages.py needs the rest only
 
     matplotlib.use("Agg")
@@ -60,10 +68,11 @@ def draw(folder, scene, title, error):
         for key in ("error", "seconds"):
             r[key] = float(r[key]) if r[key] else float("nan")
     good = [r for r in rows if r["status"] == "converged" and r["error"] < 10]
-    failed = [r for r in rows if r not in good]  # and what ended ten times as far off as the answer is large
+    failed = [r for r in rows if r["status"] != "converged" or r["error"] >= 10]  # and what ended ten times as far off as the answer is large
     if not good:
-        sys.exit(f"plot_chart: no method solved {scene}")
-    best = front(good)
+        print(f"plot_chart: no method solved {scene}", file=sys.stderr)
+        return
+    best = front(good, floor)
     figure, axes = plt.subplots(figsize=(9, 5.6), layout="constrained")
     labels = {}
     for r in good:
@@ -71,7 +80,7 @@ def draw(folder, scene, title, error):
         on_front = r in best
         mark = axes.scatter(r["seconds"], max(r["error"], 1e-10), s=44 if on_front else 18, marker=marker, color=colour,
                             alpha=1 if on_front else 0.3, linewidths=1, zorder=3 if on_front else 2,
-                            edgecolors="none" if marker not in "x+" and not on_front else None)
+                            edgecolors="none" if marker not in "x+12" and not on_front else None)
         if on_front or label not in labels:
             labels[label] = mark
     axes.step([r["seconds"] for r in best], [max(r["error"], 1e-10) for r in best], where="post", color="0.35", lw=0.9,
@@ -86,6 +95,10 @@ def draw(folder, scene, title, error):
         axes.annotate(f"failed: {len(failed)}", (0.99, top), xycoords=("axes fraction", "data"), ha="right", va="bottom",
                       fontsize=8)
     axes.set_ylim(top=top * 2)
+    if floor > axes.get_ylim()[0]:
+        axes.axhspan(axes.get_ylim()[0], floor, color="0.93", lw=0, zorder=0)
+        axes.annotate("own error of the reference", (0.99, floor), xycoords=("axes fraction", "data"), ha="right", va="top",
+                      fontsize=7, color="0.4")
     for seconds, text in ((1, "real time"),) if moves else ((1e-3, "1 kHz"), (0.04, "25 Hz")):
         axes.axvline(seconds, color="0.6", lw=0.8, ls=":")
         axes.annotate(text, (seconds, 0.01), xycoords=("data", "axes fraction"), fontsize=8, rotation=90, ha="right",
@@ -107,7 +120,7 @@ def draw(folder, scene, title, error):
 
 if __name__ == "__main__":
     words = sys.argv[2:]
-    if not words or len(words) % 3:
+    if not words or len(words) % 4:
         sys.exit(__doc__)
-    for k in range(0, len(words), 3):
-        draw(pathlib.Path(sys.argv[1]), *words[k:k + 3])
+    for k in range(0, len(words), 4):
+        draw(pathlib.Path(sys.argv[1]), *words[k:k + 3], float(words[k + 3]))

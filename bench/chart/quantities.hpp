@@ -62,21 +62,27 @@ inline Quantity drift() {
 /// @param period s
 inline Quantity frequency(double period, int axis) {
   return {"frequency", "relative error of the frequency",
-          [period, axis](const Scene& scene, const Answer& a, const Answer&) {
+          [period, axis](const Scene& scene, const Answer& a, const Answer& reference) {
             const std::vector<double> times = times_of(scene);
             const std::size_t probes = scene.probes.size();
             const auto samples = static_cast<std::size_t>(std::lround(period / times[0]));
-            double lag = 0, since = 0;
-            for (std::size_t first = 0; first + samples <= times.size(); first += samples) {
-              double of_sine = 0, of_cosine = 0;
+            // the swing in one period, as parts of a sine and a cosine
+            const auto swing = [&](const Answer& of, std::size_t first) {
+              std::array<double, 2> parts{0, 0};
               for (std::size_t k = first; k < first + samples; ++k) {
                 const double angle = 2 * std::numbers::pi * times[k] / period,
-                             x = a.u[k * probes + probes - 1][axis];
-                of_sine += x * std::sin(angle);
-                of_cosine += x * std::cos(angle);
+                             x = of.u[k * probes + probes - 1][axis];
+                parts[0] += x * std::sin(angle);
+                parts[1] += x * std::cos(angle);
               }
-              const double now = std::atan2(of_cosine, of_sine);
-              lag += std::remainder(now - lag, 2 * std::numbers::pi);
+              return parts;
+            };
+            double lag = 0, since = 0;
+            for (std::size_t first = 0; first + samples <= times.size(); first += samples) {
+              const auto [sine, cosine] = swing(a, first);
+              const auto [s, c] = swing(reference, first);
+              if (!(std::hypot(sine, cosine) > 0.01 * std::hypot(s, c))) return not_told;  // it hardly swings
+              lag += std::remainder(std::atan2(cosine, sine) - lag, 2 * std::numbers::pi);
               since = times[first + samples - 1] - (static_cast<double>(samples) - 1) / 2 * times[0];
             }
             return std::abs(lag) / (2 * std::numbers::pi * since / period);

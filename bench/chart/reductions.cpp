@@ -194,7 +194,8 @@ std::function<Advance<T>(double)> modal(std::ptrdiff_t count) {
 std::vector<Integrator> modal_integrators() {
   std::vector<Integrator> all;
   for (const std::ptrdiff_t count : {5, 20})
-    all.push_back({"modal_" + std::to_string(count), "-", "-", modal<double>(count), modal<float>(count)});
+    all.push_back(
+        {"modal_" + std::to_string(count), "-", "-", modal<double>(count), modal<float>(count), true});
   return all;
 }
 #else

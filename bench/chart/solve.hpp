@@ -46,6 +46,7 @@ struct Integrator {
   std::string name, solver, preconditioner;
   std::function<Advance<double>(double dt)> in_double;
   std::function<Advance<float>(double dt)> in_float;
+  bool reduced = false;  ///< few unknowns
 
   template <class T>
   [[nodiscard]] Advance<T> make(double dt) const {

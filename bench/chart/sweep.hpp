@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <functional>
+#include <limits>
 #include <map>
 #include <set>
 #include <stdexcept>
@@ -21,7 +22,7 @@ namespace chart {
 /// The point of a peer's run.
 inline Point point_of(const Scene& scene, const Reference& reference, const Peer& peer, const PeerRun& run,
                       int resolution) {
-  Point p{.model = peer.name,
+  Point p{.model = peer.name + (run.other_law ? "_own_law" : ""),
           .integrator = peer.integrator,
           .solver = peer.solver,
           .preconditioner = peer.preconditioner,
@@ -30,7 +31,8 @@ inline Point point_of(const Scene& scene, const Reference& reference, const Peer
           .status = run.status,
           .seconds = run.seconds,
           .memory = run.memory,
-          .setup_seconds = run.setup_seconds};
+          .setup_seconds = run.setup_seconds,
+          .off_front = run.other_law};
   if (run.status != "converged") return p;
   for (const Quantity& q : scene.quantities) p.errors.push_back(q.error(scene, {run.u}, reference.answer));
   return p;
@@ -59,24 +61,26 @@ class Sweep {
   /// @param on_point called with every point as it comes
   void run(const Toolbox& tools, const std::function<void(const Point&)>& on_point) {
     std::vector<Candidate> candidates;
-    for (const Model& m : tools.models)
-      for (const Method& method : tools.methods(scene_, m, false)) candidates.push_back({method});
+    for (const Model& m : tools.models) {
+      std::size_t turn = 0;
+      for (const Method& method : tools.methods(scene_, m, false)) {
+        const bool direct = method.solver != nullptr && method.solver->preconditioner == "-";
+        candidates.push_back({method, turn++ + (direct ? 1000 : 0)});
+      }
+    }
     for (std::size_t level = 0; level < levels_; ++level) {
-      // of the time that is left, an equal part for each level, half of it for the first runs
-      const double part = (end_ - cpu_seconds()) / static_cast<double>(levels_ - level),
-                   level_end = cpu_seconds() + part;
+      // Of the time that is left an equal part for each level, half of it for the first runs; half of all for
+      // the coarsest, which every method should see.
+      const double left = end_ - cpu_seconds(), part = left / static_cast<double>(levels_ - level);
+      level_end_ = cpu_seconds() + (level == 0 ? left / 2 : part);
       const std::vector<Candidate*> order = by_promise(candidates, level);
       const double share = part / 2 / static_cast<double>(std::max<std::size_t>(order.size(), 1));
       for (Candidate* c : order)
-        advance(*c, level, c->leads ? part / 3 : std::max(10 * share, 0.02), level_end, share, on_point);
+        advance(*c, level, c->leads ? part / 3 : std::max(10 * share, 0.02), share, on_point);
       ask_peers(level, part / 3, on_point);
       drop_wasteful(candidates);
-      for (Candidate& c : candidates) {
-        if (c.out || c.point < 0) continue;
-        Method single = c.method;
-        single.single = true;
-        if (const Point* p = ask(single, scene_.resolutions[level], share)) on_point(*p);
-      }
+      for (Candidate& c : candidates)
+        if (!c.out && c.point >= 0) in_single_precision(c, scene_.resolutions[level], share, on_point);
     }
   }
 
@@ -93,15 +97,18 @@ class Sweep {
     }
     return sentences;
   }
-  /// Methods that ended for want of time.
+  /// Methods that ended for want of time, and those of them that never began.
   [[nodiscard]] int ended_early() const { return ended_early_; }
+  [[nodiscard]] int never_began() const { return never_began_; }
 
  private:
   struct Candidate {
     Method method;
-    double last = 0;     // s that its last resolution took, set-up included
-    bool leads = false;  // nothing else does as well with its model
-    bool out = false;
+    std::size_t turn = 0;  // its place among those of its model; those that factorise come last
+    double last = 0;       // s that its last resolution took, set-up included
+    bool leads = false;    // nothing else does as well with its model
+    bool out = false, no_single = false;
+    int failures = 0;
     std::ptrdiff_t point = -1;  // its last
   };
 
@@ -119,35 +126,44 @@ class Sweep {
                : std::pow(static_cast<double>(scene_.resolutions[level]) / scene_.resolutions[level - 1],
                           3.5);
   }
-  // Those that are still in: first those on the front of their own model, and the quick ones before the slow.
+  // Those that are still in: first those on the front of their own model, and the quick ones before the slow;
+  // without experience all models in turn.
   [[nodiscard]] std::vector<Candidate*> by_promise(std::vector<Candidate>& candidates,
                                                    std::size_t level) const {
     std::vector<Candidate*> order;
     for (Candidate& c : candidates) {
       if (c.out) continue;
       order.push_back(&c);
-      c.leads = level == 0 ||
-                (c.point >= 0 && std::none_of(candidates.begin(), candidates.end(),
-                                              [&](const Candidate& other) { return beats(other, c); }));
+      const auto better = [&](const Candidate& other) { return beats(other, c); };
+      c.leads = level == 0 || (c.point >= 0 && std::isfinite(point(c).error()) &&
+                               std::none_of(candidates.begin(), candidates.end(), better));
     }
-    std::stable_sort(order.begin(), order.end(), [](const Candidate* a, const Candidate* b) {
-      return std::pair(!a->leads, a->last) < std::pair(!b->leads, b->last);
+    std::stable_sort(order.begin(), order.end(), [level](const Candidate* a, const Candidate* b) {
+      return level == 0 ? a->turn < b->turn : std::pair(!a->leads, a->last) < std::pair(!b->leads, b->last);
     });
     return order;
   }
   // a does as well as b and is faster: a little with the same model, ten times with another.
   [[nodiscard]] bool beats(const Candidate& a, const Candidate& b) const {
     const double than = a.method.model == b.method.model ? 1 : 0.1;
-    return !a.out && a.point >= 0 && reduced(a) == reduced(b) &&
+    return !a.out && a.point >= 0 && a.method.reduced() == b.method.reduced() &&
            point(a).error() <= 1.01 * point(b).error() && point(a).seconds < than * point(b).seconds;
   }
 
-  void advance(Candidate& c, std::size_t level, double limit, double level_end, double patience,
+  // s that a model has taken at least, by any method
+  [[nodiscard]] double quickest(const Model* model) const {
+    const auto found = quickest_.find(model);
+    return found == quickest_.end() ? 0 : found->second;
+  }
+
+  void advance(Candidate& c, std::size_t level, double limit, double patience,
                const std::function<void(const Point&)>& on_point) {
     c.point = -1;
-    if (cpu_seconds() > level_end || c.last * growth(level) > limit) {
+    const double expected = level == 0 ? quickest(c.method.model) : c.last * growth(level);
+    if (cpu_seconds() > level_end_ || expected > limit) {
       c.out = true;
       ++ended_early_;
+      never_began_ += level == 0 ? 1 : 0;
       return;
     }
     const Point* p = ask(c.method, scene_.resolutions[level], patience);
@@ -157,15 +173,30 @@ class Sweep {
     }
     c.point = static_cast<std::ptrdiff_t>(points_.size()) - 1;
     c.last = p->seconds + p->setup_seconds;
-    if (c.last > budget_ / 3) c.out = true;
+    const auto [quickest, is_first] = quickest_.try_emplace(c.method.model, c.last);
+    if (!is_first) quickest->second = std::min(quickest->second, c.last);
+    if (!std::isfinite(p->error())) ++c.failures;
+    if (c.last > budget_ / 3 || c.failures == 2) c.out = true;
     on_point(*p);
   }
-  static bool reduced(const Candidate& c) { return c.method.solver != nullptr && c.method.solver->reduced; }
+  // Where double precision was no waste, and there is time for it.
+  void in_single_precision(Candidate& c, int resolution, double patience,
+                           const std::function<void(const Point&)>& on_point) {
+    if (c.no_single || !std::isfinite(point(c).error()) || cpu_seconds() + c.last > level_end_) return;
+    Method single = c.method;
+    single.single = true;
+    const Point* p = ask(single, resolution, patience);
+    c.no_single = p == nullptr || !std::isfinite(p->error()) || p->seconds > 2 * c.last;
+    if (p != nullptr) on_point(*p);
+  }
+  // Of motions, errors that are large tell nothing of finer meshes.
   void drop_wasteful(std::vector<Candidate>& candidates) const {
+    const bool moves = scene_.duration > 0;
     for (Candidate& c : candidates)
       for (const Candidate& other : candidates)
         if (!c.out && c.point >= 0 && other.point >= 0 && c.method.model == other.method.model &&
-            reduced(c) == reduced(other) && point(other).error() <= 1.05 * point(c).error() &&
+            c.method.reduced() == other.method.reduced() && point(other).error() <= 1.05 * point(c).error() &&
+            (!moves || c.method.step == other.method.step || point(c).error() < 0.1) &&
             point(other).seconds < point(c).seconds / 4)
           c.out = true;
   }
@@ -186,7 +217,9 @@ class Sweep {
   void ask_peers(std::size_t level, double patience, const std::function<void(const Point&)>& on_point) {
     for (PeerCandidate& c : peers_) {
       const int resolution = scene_.resolutions[level];
-      if (c.last * growth(level) > patience) continue;
+      c.last *= growth(level);
+      if (c.last > patience) continue;
+      const double begin = cpu_seconds();
       try {
         const PeerRun run = c.peer.run(scene_, resolution);
         c.last = run.seconds + run.setup_seconds;
@@ -194,18 +227,23 @@ class Sweep {
         on_point(points_.back());
       } catch (const NotApplicable& why) {
         reasons_[{why.of, why.what()}].insert(c.peer.name);
+        c.last = std::numeric_limits<double>::infinity();
       }
+      // theirs is not our budget, and those that run in this process count
+      end_ += cpu_seconds() - begin;
+      level_end_ += cpu_seconds() - begin;
     }
   }
 
   const Scene& scene_;
   const Reference& reference_;
-  double end_, budget_;
+  double end_, budget_, level_end_ = 0;
   std::size_t levels_;
   std::vector<Point> points_;
   std::vector<PeerCandidate> peers_;
+  std::map<const Model*, double> quickest_;
   std::map<std::pair<std::string, std::string>, std::set<std::string>> reasons_;  // models, by part and why
-  int ended_early_ = 0;
+  int ended_early_ = 0, never_began_ = 0;
 };
 
 }  // namespace chart

@@ -204,6 +204,7 @@ Peer bullet(const std::string& name, Law law) {
           return info.uordblks + info.hblkhd;
         };
         PeerRun run;
+        run.other_law = true;
         const std::size_t before = in_use();
         const double start = process_seconds();
         const auto problem = tet4_problem(scene, resolution);

@@ -20,6 +20,7 @@ struct PeerRun {
   double seconds = std::numeric_limits<double>::quiet_NaN();  ///< CPU time from rest to equilibrium
   double setup_seconds = 0;                                   ///< CPU time of what is done once a scene
   std::size_t memory = 0;                                     ///< bytes
+  bool other_law = false;  ///< not that of the scene, but its own with the same moduli in small strains
 };
 
 /// Somebody else's solver with one kind of element.

@@ -382,7 +382,7 @@ TEST(Reductions, AreAsGoodAsTheirModelWhereTheyShouldBe) {
   const Point by_pod = reduced(soft, "hex8", "pod", 2);
   EXPECT_EQ(by_pod.status, "converged");
   EXPECT_NEAR(by_pod.error(), full, 0.05);
-  EXPECT_TRUE(by_pod.trained);
+  EXPECT_TRUE(by_pod.off_front);
   if (solver_named("modes_20") == nullptr) GTEST_SKIP() << "without modes";
   EXPECT_NEAR(reduced(steel, "tet10", "modes_20", 1).error(), one(steel, "tet10", 0, 1).error(), 5e-3);
   const double straight = reduced(soft, "tet10", "modes_20", 1).error(),

@@ -32,7 +32,7 @@ inline Scene vibrating_bar() {
   s.closed_form = [=](const Vec& X, double t) {
     return Vec(amplitude * std::sin(omega * t) * std::sin(wave * X[0]), 0, 0);
   };
-  s.steps = {period / 20, period / 40, period / 80, period / 160, period / 320};
+  s.steps = {period / 24, period / 40, period / 80, period / 160, period / 320};
   s.times = 160;
   s.quantities = {displacement(), frequency(period, 0), drift()};
   s.probes = points_between({length / 4, side / 2, side / 2}, {length, side / 2, side / 2}, 4);
