@@ -94,7 +94,7 @@ class Scene:
                       [(figure(r["cost"]), figure(r["error"]), figure(r["setup_seconds"]), method(r)) for r in self.front()])
         failed = len([r for r in self.rows if r["status"] != "converged"])
         text += f"\n{len(self.rows)} methods and meshes were measured, {failed} of them failed.\n\n"
-        return text + f"    build/release/bench/chart/chart {self.name} --budget 45 --out out/one\n"
+        return text + f"    build/release/bench/chart/chart {self.name} --budget 40 --out out/one\n"
 
     def exactness(self):
         """Linear small strain, corotational, exact by deformation gradients and by edge lengths, on the finest mesh that all

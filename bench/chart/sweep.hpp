@@ -42,9 +42,10 @@ inline Point point_of(const Scene& scene, const Reference& reference, const Peer
 /// (or integrator and step), and in single precision where double was no waste.
 ///
 /// A method ends where another solver or step of its model is as good in a quarter of the time, since finer
-/// meshes do not change that, and where the next resolution would take more than its share of what is left of
-/// the budget: much for those that nothing else with their model is better than, and nothing at all ten times
-/// better, which go first; little for the others. Peers run beside it, as far as one of our best might.
+/// meshes do not change that (but for those that factorise, which only beat their likes), and where the next
+/// resolution would take more than its share of what is left of the budget: much for those that nothing else
+/// with their model is better than, and nothing at all ten times better, which go first; little for the
+/// others. Peers run beside it, as far as one of our best might.
 class Sweep {
  public:
   /// @param budget s of CPU time
@@ -64,8 +65,8 @@ class Sweep {
     for (const Model& m : tools.models) {
       std::size_t turn = 0;
       for (const Method& method : tools.methods(scene_, m, false)) {
-        const bool direct = method.solver != nullptr && method.solver->preconditioner == "-";
-        candidates.push_back({method, turn++ + (direct ? 1000 : 0)});
+        candidates.push_back({method, turn++});
+        if (direct(candidates.back())) candidates.back().turn += 1000;
       }
     }
     for (std::size_t level = 0; level < levels_; ++level) {
@@ -117,6 +118,10 @@ class Sweep {
     double last = 0;
   };
 
+  // Statics that factorise: on coarse meshes the fastest, and not on fine ones.
+  static bool direct(const Candidate& c) {
+    return c.method.solver != nullptr && c.method.solver->preconditioner == "-";
+  }
   [[nodiscard]] const Point& point(const Candidate& c) const {
     return points_[static_cast<std::size_t>(c.point)];
   }
@@ -146,7 +151,7 @@ class Sweep {
   // a does as well as b and is faster: a little with the same model, ten times with another.
   [[nodiscard]] bool beats(const Candidate& a, const Candidate& b) const {
     const double than = a.method.model == b.method.model ? 1 : 0.1;
-    return !a.out && a.point >= 0 && a.method.reduced() == b.method.reduced() &&
+    return !a.out && a.point >= 0 && a.method.reduced() == b.method.reduced() && !(direct(a) && !direct(b)) &&
            point(a).error() <= 1.01 * point(b).error() && point(a).seconds < than * point(b).seconds;
   }
 
