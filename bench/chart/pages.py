@@ -167,7 +167,7 @@ def overview(scenes, machine, claims):
                 rows.append([s.link(), target] + [f"{figure(found[g][0])}, {found[g][1]}" if g in found else "" for g in GROUPS])
     text += table(("scene", "error") + tuple(GROUPS), rows)
     text += "\n## Single precision\n\n" + single_precision(scenes)
-    return text + "\n" + claims
+    return text + "\n## What the sources say, and what is seen here\n\n" + claims + "\n"
 
 
 def sections(path):

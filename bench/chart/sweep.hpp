@@ -67,6 +67,8 @@ class Sweep {
       for (const Method& method : tools.methods(scene_, m, false)) {
         candidates.push_back({method, turn++});
         if (direct(candidates.back())) candidates.back().turn += 1000;
+        if (scene_.duration > 0)  // long steps, which take less, before short ones
+          candidates.back().turn += 1000 * ((turn - 1) % scene_.steps.size());
       }
     }
     for (std::size_t level = 0; level < levels_; ++level) {
