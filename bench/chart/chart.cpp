@@ -208,9 +208,10 @@ void draw_chart(const Scene& scene, const Toolbox& tools, const Options& o) {
   for (const Point& p : sweep.points())
     if (p.unknowns > 0) unknowns[{p.model, p.resolution}] = p.unknowns;  // of peers we do not know
   Rows of_unknowns(o.out / (scene.name + "_unknowns.csv"), "model,resolution,unknowns");
-  for (const auto& [mesh, count] : unknowns)
-    of_unknowns.add(
-        [&](std::ostream& out) { out << mesh.first << ',' << mesh.second << ',' << count << '\n'; });
+  for (const auto& row : unknowns)
+    of_unknowns.add([&](std::ostream& out) {
+      out << row.first.first << ',' << row.first.second << ',' << row.second << '\n';
+    });
   for (const std::string& reason : sweep.reasons())
     std::printf("%s: %s\n", scene.name.c_str(), reason.c_str());
   if (sweep.ended_early() > 0)

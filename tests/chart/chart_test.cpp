@@ -68,7 +68,7 @@ TEST(Chart, MethodsWithTheLawAreExactOnTheCompressedBlock) {
         else if (m.name == "frames_least_squares")
           EXPECT_LT(p.error(), 0.02) << what;  // no polynomials, so Gauss points do not integrate them
         else
-          for (const std::size_t k : {0, 1, 2})  // displacement, force, energy
+          for (std::size_t k = 0; k < 3; ++k)  // displacement, force, energy
             EXPECT_LT(p.error(k), single ? 1e-3 : 1e-5) << what << " " << scene.quantities[k].name;
         EXPECT_GT(p.memory, 1000u) << what;
         EXPECT_GT(p.seconds, 0) << what;

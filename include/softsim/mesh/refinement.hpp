@@ -40,7 +40,7 @@ namespace softsim {
     add(7, 8, 9, 3);
     std::size_t shortest = 0;
     const auto length = [&](std::size_t k) { return (X(diagonals[k][0]) - X(diagonals[k][1])).norm(); };
-    for (const std::size_t k : {1, 2})
+    for (std::size_t k = 1; k < 3; ++k)
       if (length(k) < length(shortest)) shortest = k;
     const auto& [a, b, c, d, f, g] = diagonals[shortest];
     add(a, b, c, d);
