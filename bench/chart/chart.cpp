@@ -306,6 +306,7 @@ int run(const Options& o) {
     ask_for(o.quantity, scene);
     return measure_one(scene, tools, o);
   }
+  for (const Scene& scene : wanted) (void)reference_of(scene, o.data);  // before anything is written over
   std::error_code error;
   fs::create_directories(o.out, error);
   Rows of_scenes(o.out / "scenes.csv", "scene;title;reference_error");

@@ -41,7 +41,7 @@ expect_sentence 2 "--budget '-3': must be a positive number" "$chart" organ --bu
 expect_sentence 2 '--budget: a value is missing' "$chart" organ --budget
 expect_sentence 1 'no.msh' "$chart" organ --mesh no.msh
 expect_sentence 2 "--only 'tet4': no such method" "$chart" compressed_block --only tet4
-expect_sentence 1 'is missing; chart --reference twisted_bar makes it' "$chart" twisted_bar --data "$folder"
+expect_sentence 1 'is missing; chart --reference twisted_bar makes it' "$chart" twisted_bar --data "$folder" --out "$folder/none"
 : >"$folder/file"
 expect_sentence 1 'cannot write' "$chart" compressed_block --out "$folder/file"
 
