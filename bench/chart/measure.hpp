@@ -199,8 +199,7 @@ inline Point unmeasured(const Scene& scene, const Method& m, int resolution) {
 /// Runs a method on a scene. The first run, which also makes patterns and orders, counts to the set-up as far
 /// as it takes longer than the median of the others.
 /// @param patience s that the repeats may take; at least one is made if the first run took less than ten
-/// times
-///   that, or the method is reduced; otherwise the first run is all there is, with its patterns
+///   times that, or the method is reduced; otherwise the first run is all there is, with its patterns
 /// @throws NotApplicable if the model does not fit the scene
 template <class T>
 Point measure_in(const Scene& scene, const Reference& reference, const Method& m, int resolution,

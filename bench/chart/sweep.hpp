@@ -202,7 +202,8 @@ class Sweep {
     for (Candidate& c : candidates)
       for (const Candidate& other : candidates)
         if (!c.out && c.point >= 0 && other.point >= 0 && c.method.model == other.method.model &&
-            c.method.reduced() == other.method.reduced() && point(other).error() <= 1.05 * point(c).error() &&
+            c.method.reduced() == other.method.reduced() && !(direct(other) && !direct(c)) &&
+            point(other).error() <= 1.05 * point(c).error() &&
             (!moves || c.method.step == other.method.step || point(c).error() < 0.1) &&
             point(other).seconds < point(c).seconds / 4)
           c.out = true;

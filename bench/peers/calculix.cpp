@@ -194,7 +194,7 @@ PeerRun run_deck(const Scene& scene, const Problem<Mesh>& problem, const std::st
     std::ofstream(folder.path() / (solve ? "solve.inp" : "check.inp"))
         << deck_of(scene, problem, element, solve);
   PeerRun run;
-  run.other_law = std::holds_alternative<softsim::NeoHookean>(scene.law);
+  run.other_law = has_law<softsim::NeoHookean>(scene);
   const double written = process_seconds() - start;
   // of what is quick, the quicker of two
   Ended check = run_ccx(folder.path(), "check");
