@@ -144,8 +144,8 @@ def single_precision(scenes):
         return "No two methods were measured in both precisions.\n"
     quarter = statistics.quantiles(times, n=4)
     return (f"Of {pairs} methods and meshes that were measured in both, single precision takes {quarter[1]:.2f} times less time "
-            f"(median; quartiles {quarter[0]:.2f} and {quarter[2]:.2f}), and is less accurate by more than a tenth and 1e-3 in {worse}. It ends where its forces round, at 1e-4 of them, double "
-            f"precision at 1e-7 (of motions 1e-6): a part of the gain is that.\n")
+            f"(median; quartiles {quarter[0]:.2f} and {quarter[2]:.2f}), and is less accurate by more than a tenth and 1e-3 in {worse}. "
+            "It ends where its forces round, at 1e-4 of them, double precision at 1e-7 (of motions 1e-6): a part of the gain is that.\n")
 
 
 def overview(scenes, machine, claims):
