@@ -52,6 +52,10 @@ struct Options {
   std::vector<std::string> scenes;
   double budget = 60;
   std::map<std::string, double> budgets = {};  // of scenes that need another
+  [[nodiscard]] double budget_of(const Scene& scene) const {
+    const auto own = budgets.find(scene.name);
+    return own == budgets.end() ? budget : own->second;
+  }
   int resolutions = 1000;
   fs::path out = fs::path("out") / "chart", data = SOFTSIM_CHART_DATA;
   std::string mesh = SOFTSIM_ORGAN, only, quantity;
@@ -197,9 +201,7 @@ void draw_chart(const Scene& scene, const Toolbox& tools, const Options& o) {
   std::vector<Rows> charts;
   for (std::size_t k = 0; k < scene.quantities.size(); ++k)
     charts.emplace_back(o.out / (chart_name(scene, k) + ".csv"), Point::header);
-  const auto own = o.budgets.find(scene.name);
-  Sweep sweep(scene, reference, own == o.budgets.end() ? o.budget : own->second,
-              static_cast<std::size_t>(o.resolutions));
+  Sweep sweep(scene, reference, o.budget_of(scene), static_cast<std::size_t>(o.resolutions));
   sweep.run(tools, [&](const Point& p) {
     for (std::size_t k = 0; k < charts.size(); ++k)
       charts[k].add([&](std::ostream& out) { p.write(out, k); });
@@ -309,11 +311,12 @@ int run(const Options& o) {
   for (const Scene& scene : wanted) (void)reference_of(scene, o.data);  // before anything is written over
   std::error_code error;
   fs::create_directories(o.out, error);
-  Rows of_scenes(o.out / "scenes.csv", "scene;title;reference_error");
+  Rows of_scenes(o.out / "scenes.csv", "scene;title;reference_error;budget");
   for (const Scene& scene : wanted) {
     draw_chart(scene, tools, o);
     of_scenes.add([&](std::ostream& out) {
-      out << scene.name << ';' << scene.title << ';' << reference_of(scene, o.data).errors[0] << '\n';
+      out << scene.name << ';' << scene.title << ';' << reference_of(scene, o.data).errors[0] << ';'
+          << o.budget_of(scene) << '\n';
     });
   }
   Rows(o.out / "machine.txt", machine());

@@ -64,8 +64,9 @@ def table(head, rows):
 
 
 class Scene:
-    def __init__(self, folder, name, title, floor, conclusion):
-        self.folder, self.name, self.title, self.floor, self.conclusion = folder, name, title, floor, conclusion
+    def __init__(self, folder, row, conclusion):
+        self.folder, self.name, self.title, self.conclusion = folder, row["scene"], row["title"], conclusion
+        self.floor, self.budget, name = float(row["reference_error"]), row["budget"], self.name
         self.rows = read(folder / f"{name}.csv")
         self.good = good(self.rows)
         for r in self.good:
@@ -94,7 +95,7 @@ class Scene:
                       [(figure(r["cost"]), figure(r["error"]), figure(r["setup_seconds"]), method(r)) for r in self.front()])
         failed = len([r for r in self.rows if r["status"] != "converged"])
         text += f"\n{len(self.rows)} methods and meshes were measured, {failed} of them failed.\n\n"
-        return text + f"    build/release/bench/chart/chart {self.name} --budget 40 --out out/one\n"
+        return text + f"    build/release/bench/chart/chart {self.name} --budget {self.budget} --out out/one\n"
 
     def exactness(self):
         """Linear small strain, corotational, exact by deformation gradients and by edge lengths, on the finest mesh that all
@@ -185,7 +186,7 @@ def main(charts, pages):
         for row in csv.DictReader(file, delimiter=";"):
             if row["scene"] not in texts:
                 sys.exit(f"pages: conclusions.md has no section '{row['scene']}'")
-            scenes.append(Scene(charts, row["scene"], row["title"], float(row["reference_error"]), texts[row["scene"]]))
+            scenes.append(Scene(charts, row, texts[row["scene"]]))
     for scene in scenes:
         (pages / f"{scene.name}.md").write_text(scene.page())
         for chart in scene.charts:
