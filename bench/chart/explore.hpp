@@ -74,17 +74,20 @@ class Exploration {
       queue.pop();
       const std::vector<Method>& of_model = methods[t.model];
       const int resolution = scene_.resolutions[t.level];
-      const Point* p = ask(of_model[t.method], resolution);
-      if (out_of_time_) break;
+      const Point* p = ask(of_model[t.method], resolution, t.whole);
       if (p == nullptr) continue;
       if (t.level == 0 && (t.method + 1) % steps != 0)
-        queue.push({.expected = 2 * p->seconds, .model = t.model, .method = t.method + 1});
+        queue.push({.expected = 2 * p->seconds,
+                    .whole = 2 * p->seconds + p->setup_seconds,
+                    .model = t.model,
+                    .method = t.method + 1});
       if (!std::isfinite(p->error())) continue;
       if (p->error() <= wish_.tolerance) accurate.emplace_back(of_model[t.method], resolution);
       if (p->error() > wish_.tolerance && p->error() < 0.9 * t.error &&
           t.level + 1 < scene_.resolutions.size()) {
         const double finer = static_cast<double>(scene_.resolutions[t.level + 1]) / resolution;
         queue.push({.expected = p->seconds * std::pow(finer, 3),
+                    .whole = whole(*p, finer),
                     .error = p->error(),
                     .model = t.model,
                     .method = t.method,
@@ -94,7 +97,7 @@ class Exploration {
     for (auto& [method, resolution] : accurate) {
       Method single = method;
       single.single = true;
-      (void)ask(single, resolution);
+      (void)ask(single, resolution, 0);
     }
     dearer(accurate);
   }
@@ -106,7 +109,8 @@ class Exploration {
 
  private:
   struct Try {
-    double expected = 0;                                     // s
+    double expected = 0;                                     // s that a run takes
+    double whole = 0;                                        // s, set-up included
     double error = std::numeric_limits<double>::infinity();  // on the resolution before
     std::size_t model, method, level = 0;
   };
@@ -116,8 +120,11 @@ class Exploration {
     for (const auto& [method, resolution] : accurate) {
       const auto finer = std::upper_bound(scene_.resolutions.begin(), scene_.resolutions.end(), resolution);
       for (auto r = finer; r != scene_.resolutions.end() && r - finer < 2; ++r) {
-        const double growth = std::pow(static_cast<double>(*r) / resolution, 3);
-        if (limit() * growth < 0.2 * (end_ - cpu_seconds())) (void)ask(method, *r);
+        const double growth = static_cast<double>(*r) / resolution;
+        const auto same = std::find_if(points_.begin(), points_.end(), [&](const Point& p) {
+          return p.name() == unmeasured(scene_, method, resolution).name();
+        });
+        if (5 * whole(*same, growth) < end_ - cpu_seconds()) (void)ask(method, *r, whole(*same, growth));
       }
     }
   }
@@ -131,9 +138,13 @@ class Exploration {
            : scene_.duration > 0 ? scene_.duration
                                  : std::max(1 / wish_.rate, 0.05);
   }
-  // nullptr if the model does not fit, or time is out
-  const Point* ask(const Method& m, int resolution) {
-    if (cpu_seconds() > end_) {
+  // s that a finer resolution takes, set-up included: factorisations grow faster than the mesh
+  static double whole(const Point& p, double finer) {
+    return (p.seconds + p.setup_seconds) * std::pow(finer, 4);
+  }
+  // nullptr if the model does not fit, or too little time is left
+  const Point* ask(const Method& m, int resolution, double whole) {
+    if (cpu_seconds() + whole > end_) {
       out_of_time_ = true;
       return nullptr;
     }

@@ -120,9 +120,9 @@ class Sweep {
     double last = 0;
   };
 
-  // Statics that factorise: on coarse meshes the fastest, and not on fine ones.
+  // Statics that factorise the whole: on coarse meshes the fastest, and not on fine ones.
   static bool direct(const Candidate& c) {
-    return c.method.solver != nullptr && c.method.solver->preconditioner == "-";
+    return c.method.solver != nullptr && c.method.solver->preconditioner == "-" && !c.method.reduced();
   }
   [[nodiscard]] const Point& point(const Candidate& c) const {
     return points_[static_cast<std::size_t>(c.point)];
