@@ -41,11 +41,11 @@ struct Wish {
 /// first.
 ///
 /// Every model starts on its coarsest resolution, with every solver, or with every integrator and its longest
-/// step that the rate allows. What was measured tells what the next finer resolution and the next shorter
-/// step will take; both join the queue, but not the resolution if it was accurate enough, or hardly better
-/// than the one before (its step is too long). The search ends where the next try would take more than
-/// `hopeless` times as long as the best that is accurate enough. Then single precision is tried where double
-/// was accurate enough.
+/// step that the rate allows; none but reductions is expected to be quicker than another was. What was
+/// measured tells what the next finer resolution and the next shorter step will take; both join the queue,
+/// but not the resolution if it was accurate enough, or hardly better than the one before (its step is too
+/// long). The search ends where the next try would take more than `hopeless` times as long as the best that
+/// is accurate enough, fast enough or not. Then single precision is tried where double was accurate enough.
 class Exploration {
  public:
   static constexpr double hopeless = 4;
@@ -68,14 +68,23 @@ class Exploration {
             break;
           }
     }
+    std::vector<double> quickest(methods.size(), std::numeric_limits<double>::infinity());  // of each model
     std::vector<std::pair<Method, int>> accurate;
     while (!queue.empty() && queue.top().expected <= hopeless * limit()) {
-      const Try t = queue.top();
+      Try t = queue.top();
       queue.pop();
+      // but for reductions, no method takes much less than all others with its model
+      const bool reduced = methods[t.model][t.method].reduced();
+      if (t.expected == 0 && !reduced && std::isfinite(quickest[t.model])) {
+        t.expected = quickest[t.model];
+        queue.push(t);
+        continue;
+      }
       const std::vector<Method>& of_model = methods[t.model];
       const int resolution = scene_.resolutions[t.level];
       const Point* p = ask(of_model[t.method], resolution, t.whole);
       if (p == nullptr) continue;
+      if (!reduced) quickest[t.model] = std::min(quickest[t.model], p->seconds);
       if (t.level == 0 && (t.method + 1) % steps != 0)
         queue.push({.expected = 2 * p->seconds,
                     .whole = 2 * p->seconds + p->setup_seconds,
@@ -129,18 +138,20 @@ class Exploration {
     }
   }
 
-  // s that the fastest takes that is accurate enough; before there is one, that a method may take
+  // s that the fastest takes that is accurate enough; infinite before there is one
   [[nodiscard]] double limit() const {
     double best = std::numeric_limits<double>::infinity();
     for (const Point& p : points_)
       if (p.error() <= wish_.tolerance) best = std::min(best, p.seconds);
-    return std::isfinite(best)   ? best
-           : scene_.duration > 0 ? scene_.duration
-                                 : std::max(1 / wish_.rate, 0.05);
+    return best;
   }
   // s that a finer resolution takes, set-up included: factorisations grow faster than the mesh
   static double whole(const Point& p, double finer) {
     return (p.seconds + p.setup_seconds) * std::pow(finer, 4);
+  }
+  // s that repeats may take
+  [[nodiscard]] double patience() const {
+    return std::isfinite(limit()) ? std::min(0.3, 10 * limit()) : 0.05;
   }
   // nullptr if the model does not fit, or too little time is left
   const Point* ask(const Method& m, int resolution, double whole) {
@@ -149,7 +160,7 @@ class Exploration {
       return nullptr;
     }
     try {
-      points_.push_back(measure(scene_, reference_, m, resolution, std::min(0.3, 10 * limit())));
+      points_.push_back(measure(scene_, reference_, m, resolution, patience()));
       return &points_.back();
     } catch (const NotApplicable&) {
     } catch (const std::invalid_argument&) {
