@@ -127,13 +127,13 @@ class Exploration {
   // What more accuracy costs: the two finer resolutions of all that was accurate enough.
   void dearer(const std::vector<std::pair<Method, int>>& accurate) {
     for (const auto& [method, resolution] : accurate) {
+      const std::string name = unmeasured(scene_, method, resolution).name();
+      const Point before =
+          *std::find_if(points_.begin(), points_.end(), [&](const Point& p) { return p.name() == name; });
       const auto finer = std::upper_bound(scene_.resolutions.begin(), scene_.resolutions.end(), resolution);
       for (auto r = finer; r != scene_.resolutions.end() && r - finer < 2; ++r) {
-        const double growth = static_cast<double>(*r) / resolution;
-        const auto same = std::find_if(points_.begin(), points_.end(), [&](const Point& p) {
-          return p.name() == unmeasured(scene_, method, resolution).name();
-        });
-        if (5 * whole(*same, growth) < end_ - cpu_seconds()) (void)ask(method, *r, whole(*same, growth));
+        const double expected = whole(before, static_cast<double>(*r) / resolution);
+        if (5 * expected < end_ - cpu_seconds()) (void)ask(method, *r, expected);
       }
     }
   }
